@@ -1,0 +1,61 @@
+"""Robot manipulation tasks for language-driven quality-diversity, as Gymnasium environments.
+
+Importing this package registers the environments: `gymnasium.make("LQD/Faucet-v0")`.
+"""
+
+# Before anything imports mujoco, which chooses its OpenGL backend once and for all.
+from lqd_envs.rendering_backend import choose_headless_backend
+
+choose_headless_backend()
+
+from lqd_envs.env import ManipulationEnv, ResetError  # noqa: E402
+from lqd_envs.errors import LQDError  # noqa: E402
+from lqd_envs.motion import MotionPlan, plan_motions  # noqa: E402
+from lqd_envs.perception import (  # noqa: E402
+    Columns,
+    FitnessFunction,
+    Info,
+    Infos,
+    PerceptionSchema,
+    QuantityFunction,
+    SuccessFunction,
+    TimestampFunction,
+)
+from lqd_envs.registration import register_envs  # noqa: E402
+from lqd_envs.rendering import RenderingError  # noqa: E402
+from lqd_envs.rollout import rollout  # noqa: E402
+from lqd_envs.solution_space import SolutionError, SolutionSpace  # noqa: E402
+from lqd_envs.tasks.registry import TASKS, UnknownTaskError, get_task  # noqa: E402
+from lqd_envs.tasks.task import GroundTruth, Task  # noqa: E402
+from lqd_envs.trajectories import Trajectories  # noqa: E402
+from lqd_envs.verdict import Verdict  # noqa: E402
+
+register_envs()
+
+__all__ = [
+    "TASKS",
+    "Columns",
+    "FitnessFunction",
+    "GroundTruth",
+    "Info",
+    "Infos",
+    "LQDError",
+    "ManipulationEnv",
+    "MotionPlan",
+    "PerceptionSchema",
+    "QuantityFunction",
+    "RenderingError",
+    "ResetError",
+    "SolutionError",
+    "SolutionSpace",
+    "SuccessFunction",
+    "Task",
+    "TimestampFunction",
+    "Trajectories",
+    "UnknownTaskError",
+    "Verdict",
+    "get_task",
+    "plan_motions",
+    "register_envs",
+    "rollout",
+]

@@ -1,0 +1,252 @@
+"""A task as a Gymnasium environment."""
+
+from typing import Any
+
+import gymnasium as gym
+import mujoco
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
+
+from lqd_envs.action import ACTION_DIM, CONTROL_STEP
+from lqd_envs.errors import LQDError
+from lqd_envs.observation import Observation
+from lqd_envs.rendering import ArrayRenderer, WindowRenderer
+from lqd_envs.scene import load_scene
+from lqd_envs.scenes.panda import ARM_JOINTS, HOME
+from lqd_envs.tasks.registry import get_task
+
+MAX_EPISODE_STEPS = 150
+"""Length of an episode in control steps (3 s): twice that of a motion primitive."""
+
+
+class ResetError(LQDError, ValueError):
+    """Options of `reset` that cannot be used."""
+
+
+class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
+    """A Franka Panda arm at a table, with one object and one task.
+
+    ## Description
+
+    The robot's base is at the origin of the world frame, x pointing away from it, y to its left,
+    z up; the table top is the plane z = 0. In `LQD/Faucet-v0` a faucet with a hot and a cold tap
+    stands on the table, and the task is: "Turn on the hot water".
+
+    ## Action space
+
+    `Box(-1, 1, (8,), float32)`, mapped affinely; values outside are clipped. A control step lasts
+    20 ms.
+
+    | entry | target of | at -1 | at +1 | unit |
+    |---|---|---|---|---|
+    | 0 | arm joint 1 | -2.8973 | 2.8973 | rad |
+    | 1 | arm joint 2 | -1.7628 | 1.7628 | rad |
+    | 2 | arm joint 3 | -2.8973 | 2.8973 | rad |
+    | 3 | arm joint 4 | -3.0718 | -0.4 | rad |
+    | 4 | arm joint 5 | -2.8973 | 2.8973 | rad |
+    | 5 | arm joint 6 | -1.6573 | 2.1127 | rad |
+    | 6 | arm joint 7 | -2.8973 | 2.8973 | rad |
+    | 7 | each finger; below 0 they squeeze | -0.02 | 0.04 | m |
+
+    ## Observation space
+
+    A `Box` of float64 with finite bounds: positions (rad) and velocities (rad/s) of the seven arm
+    joints, positions of the two fingers (m), gripper position (m, the midpoint between the
+    fingertips) and quaternion (w >= 0 first), the same of the object's base, positions of the
+    object's joints (rad or m), and, as 0 or 1, whether the object and the robot touch the table
+    and whether the gripper touches each link of the object. `env.unwrapped.observation_names`
+    lists them one by one.
+
+    ## Info
+
+    The eight keys of the perception API (`lqd_envs.Info`) and `is_success`, the expert's word on
+    the present moment, a bool.
+
+    ## Reward
+
+    1 where `is_success` holds, 0 elsewhere.
+
+    ## Start
+
+    The arm above the table with open fingers, the object at rest, everything still; every start
+    is the same. `reset(options={"arm": [...]})` starts from seven joint positions of one's own
+    (rad): within the joint limits, and with nothing of the robot inside table or object.
+
+    ## End
+
+    An episode never terminates; it is truncated after 150 control steps.
+
+    ## Arguments
+
+    * `task`: id of the task.
+    * `render_mode`: `"rgb_array"`, `"human"` or None.
+    * `width`, `height`: size of the pictures in pixels.
+
+    ## Version history
+
+    * v0: first version.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - Gymnasium's contract
+        "render_modes": ["human", "rgb_array"],
+        "render_fps": round(1.0 / CONTROL_STEP),
+    }
+
+    def __init__(
+        self,
+        task: str = "LQD/Faucet-v0",
+        *,
+        render_mode: str | None = None,
+        width: int = 640,
+        height: int = 480,
+    ) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise LQDError(
+                f"expected render_mode to be one of {self.metadata['render_modes']} or None, "
+                f"got {render_mode!r}"
+            )
+        self.render_mode = render_mode
+        self._size = (width, height)
+        self._scene = load_scene(get_task(task))
+        self._layout = Observation.of(self._scene)
+        self._renderer: ArrayRenderer | None = None
+        self._window: WindowRenderer | None = None
+        self._start_sensordata: NDArray[np.float64] | None = None
+        self.model = self._scene.model
+        self.data = mujoco.MjData(self.model)
+        self.action_space = spaces.Box(-1.0, 1.0, (ACTION_DIM,), np.float32)
+        self.observation_space = spaces.Box(self._layout.low, self._layout.high, dtype=np.float64)
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Name and unit of every entry of the observation."""
+        return self._layout.names
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float64], dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: Seed of the env's random generator.
+            options: `{"arm": (7,) joint positions in rad}`, or nothing for the usual start.
+
+        Returns:
+            The first observation and info.
+
+        Raises:
+            ResetError: An option is unknown, or the arm cannot start there.
+        """
+        super().reset(seed=seed)
+        arm = self._checked_start(options or {})
+        self._start_sensordata = None
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:] = self._scene.start_qpos(arm)
+        mujoco.mj_forward(self.model, self.data)
+        if self._scene.sensors.robot_touches(self.data.sensordata):
+            raise ResetError(
+                "expected a start at which the robot touches nothing, got an arm configuration "
+                "with the robot inside the table or the object: start further away"
+            )
+        self._start_sensordata = self.data.sensordata.copy()
+        return self._observe(self._start_sensordata)
+
+    def step(
+        self, action: ArrayLike
+    ) -> tuple[NDArray[np.float64], float, bool, bool, dict[str, Any]]:
+        """Simulate one control step of 20 ms.
+
+        Args:
+            action: (8,) in [-1, 1].
+
+        Returns:
+            Observation, reward, terminated (never), truncated (never by itself) and info.
+
+        Raises:
+            LQDError: The action has another shape or is not finite, or `reset` was not called.
+        """
+        if self._start_sensordata is None:
+            raise LQDError("expected reset() before the first step(): call env.reset() once")
+        self.data.ctrl[:] = self._scene.action_map.controls(_checked_action(action))
+        mujoco.mj_step(self.model, self.data, nstep=self._scene.substeps)
+        # Sensors describe the state before the last substep; this makes them current, and the
+        # next step goes on from it without computing anything twice.
+        mujoco.mj_step1(self.model, self.data)
+        if self.render_mode == "human":
+            self.render()
+        observation, info = self._observe(self._start_sensordata)
+        return observation, float(info["is_success"]), False, False, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return a picture (`rgb_array`), show the window (`human`), or do nothing.
+
+        Returns:
+            (height, width, 3) uint8, or None.
+
+        Raises:
+            RenderingError: There is nothing here to draw with.
+        """
+        if self.render_mode == "rgb_array":
+            if self._renderer is None:
+                width, height = self._size
+                self._renderer = ArrayRenderer(self.model, width=width, height=height)
+            return self._renderer.render(self.data)
+        if self.render_mode == "human":
+            if self._window is None:
+                self._window = WindowRenderer(self.model, self.data)
+            self._window.render()
+        return None
+
+    def close(self) -> None:
+        """Close the window and free the OpenGL context; a second call does nothing."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+
+    def _observe(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64], dict[str, Any]]:
+        sensordata = self.data.sensordata
+        since_start = np.stack([start, sensordata])
+        columns = self._scene.sensors.columns(since_start[None])
+        observation = self._layout.vector(
+            self._scene,
+            qpos=self.data.qpos[None],
+            qvel=self.data.qvel[None],
+            sensordata=sensordata[None],
+            columns=columns,
+        )[0]
+        info: dict[str, Any] = dict(columns.infos(0)[-1])
+        info["is_success"] = bool(self._scene.task.success(columns)[0])
+        return observation, info
+
+    def _checked_start(self, options: dict[str, Any]) -> NDArray[np.float64]:
+        unknown = sorted(set(options) - {"arm"})
+        if unknown:
+            raise ResetError(f"expected the option 'arm' at most, got {', '.join(unknown)}")
+        arm = np.asarray(options.get("arm", HOME), dtype=np.float64)
+        if arm.shape != (len(ARM_JOINTS),) or not np.isfinite(arm).all():
+            raise ResetError(
+                f"expected the option 'arm' to be {len(ARM_JOINTS)} finite joint positions in "
+                f"rad, got {options['arm']!r}"
+            )
+        limits = np.array([self.model.joint(name).range for name in ARM_JOINTS])
+        outside = np.flatnonzero((arm < limits[:, 0]) | (arm > limits[:, 1]))
+        if len(outside):
+            joint = outside[0]
+            raise ResetError(
+                f"expected arm joint {joint + 1} within [{limits[joint, 0]:.4f}, "
+                f"{limits[joint, 1]:.4f}] rad, got {arm[joint]:.4f}"
+            )
+        return arm
+
+
+def _checked_action(action: ArrayLike) -> NDArray[np.float64]:
+    checked = np.asarray(action, dtype=np.float64)
+    if checked.shape != (ACTION_DIM,) or not np.isfinite(checked).all():
+        raise LQDError(
+            f"expected an action of {ACTION_DIM} finite numbers in [-1, 1], got {action!r}"
+        )
+    return checked

@@ -1,0 +1,85 @@
+"""Pictures of a simulation: arrays without a display, a window with one."""
+
+import os
+import sys
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from lqd_envs.errors import LQDError
+from lqd_envs.rendering_backend import DISPLAY_VARIABLES
+from lqd_envs.scenes.workspace import CAMERA
+
+
+class RenderingError(LQDError):
+    """A picture was asked for where none can be drawn."""
+
+
+class ArrayRenderer:
+    """Draws a simulation into RGB arrays.
+
+    Args:
+        model: The scene.
+        width: Pixels.
+        height: Pixels.
+
+    Raises:
+        RenderingError: There is no OpenGL here; the message says what to install.
+    """
+
+    def __init__(self, model: mujoco.MjModel, *, width: int, height: int) -> None:
+        try:
+            self._renderer = mujoco.Renderer(model, height=height, width=width)
+        # What is raised depends on the backend and on what exactly it misses.
+        except (mujoco.FatalError, ImportError, AttributeError, OSError, RuntimeError) as error:
+            raise RenderingError(
+                "expected OpenGL to draw a picture with, but MuJoCo could not use it "
+                f"(MUJOCO_GL={os.environ.get('MUJOCO_GL', '')!r}: {error}): without a display "
+                "install EGL (on Debian and Ubuntu `apt-get install libegl1 libgl1`) and import "
+                "lqd_envs before mujoco, or set MUJOCO_GL=egl; everything but pictures works "
+                "without it"
+            ) from error
+
+    def render(self, data: mujoco.MjData) -> NDArray[np.uint8]:
+        """Return a (height, width, 3) uint8 picture of `data`."""
+        self._renderer.update_scene(data, camera=CAMERA)
+        return np.asarray(self._renderer.render())
+
+    def close(self) -> None:
+        """Free the OpenGL context."""
+        self._renderer.close()
+
+
+class WindowRenderer:
+    """Shows a simulation in MuJoCo's interactive viewer.
+
+    Args:
+        model: The scene.
+        data: The simulation to show, which goes on being the caller's.
+
+    Raises:
+        RenderingError: There is no display.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        if sys.platform == "linux" and not any(os.environ.get(n) for n in DISPLAY_VARIABLES):
+            raise RenderingError(
+                'expected a display for render_mode="human", got none '
+                f"({' and '.join(DISPLAY_VARIABLES)} are not set): use "
+                'render_mode="rgb_array", or run where there is a screen'
+            )
+        import mujoco.viewer
+
+        self._viewer: Any = mujoco.viewer.launch_passive(
+            model, data, show_left_ui=False, show_right_ui=False
+        )
+
+    def render(self) -> None:
+        """Show the simulation as it is now."""
+        self._viewer.sync()
+
+    def close(self) -> None:
+        """Close the window."""
+        self._viewer.close()

@@ -1,0 +1,82 @@
+"""A task's compiled scene, with what is needed to drive it and to read it."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lqd_envs.action import CONTROL_STEP, ActionMap
+from lqd_envs.scenes.panda import ARM_JOINTS, FINGER_JOINTS, FINGER_OPEN
+from lqd_envs.scenes.sensors import SensorReader, add_sensors
+from lqd_envs.tasks.task import Task
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One task's compiled model and the readings of it; shared, so never to be changed.
+
+    Attributes:
+        task: The task.
+        model: The compiled scene.
+        sensors: Reads perception from `sensordata`.
+        action_map: Turns actions into controls.
+        substeps: Physics steps in one control step.
+        arm_qpos: (7,) addresses of the arm's joints in `qpos`.
+        arm_qvel: (7,) addresses of the arm's joints in `qvel`.
+        finger_qpos: (2,) addresses of the fingers' joints in `qpos`.
+    """
+
+    task: Task
+    model: mujoco.MjModel
+    sensors: SensorReader
+    action_map: ActionMap
+    substeps: int
+    arm_qpos: NDArray[np.intp]
+    arm_qvel: NDArray[np.intp]
+    finger_qpos: NDArray[np.intp]
+
+    def start_qpos(self, arm: ArrayLike) -> NDArray[np.float64]:
+        """Return start positions of all joints: the arm's as given, open fingers, object at rest.
+
+        Args:
+            arm: (..., 7) arm configurations in rad.
+
+        Returns:
+            (..., nq) float64.
+        """
+        configurations = np.asarray(arm, dtype=np.float64)
+        qpos = np.tile(self.model.qpos0, (*configurations.shape[:-1], 1))
+        qpos[..., self.arm_qpos] = configurations
+        qpos[..., self.finger_qpos] = FINGER_OPEN
+        return qpos
+
+
+@cache
+def load_scene(task: Task, *, physics_step: float | None = None) -> Scene:
+    """Return the scene of a task, compiled once a process.
+
+    Args:
+        task: The task.
+        physics_step: Physics step in s instead of the scene's own, to measure what it changes.
+    """
+    spec = task.build_scene()
+    add_sensors(spec, schema=task.schema, base=task.base, fast_points=task.fast_points)
+    if physics_step is not None:
+        spec.option.timestep = physics_step
+    model = spec.compile()
+
+    def addresses(attribute: str, joints: tuple[str, ...]) -> NDArray[np.intp]:
+        return np.array([getattr(model.joint(name), attribute)[0] for name in joints], np.intp)
+
+    return Scene(
+        task=task,
+        model=model,
+        sensors=SensorReader.of(model, schema=task.schema),
+        action_map=ActionMap.of(model),
+        substeps=round(CONTROL_STEP / model.opt.timestep),
+        arm_qpos=addresses("qposadr", ARM_JOINTS),
+        arm_qvel=addresses("dofadr", ARM_JOINTS),
+        finger_qpos=addresses("qposadr", FINGER_JOINTS),
+    )

@@ -1,0 +1,111 @@
+"""A faucet with a hot and a cold tap, fixed to the table."""
+
+import math
+
+import mujoco
+
+from lqd_envs.scenes.panda import ROBOT_BIT
+from lqd_envs.scenes.workspace import new_workspace
+
+FAUCET_POSITION = (0.5, 0.0, 0.0)
+"""Where the faucet stands, in m, world frame."""
+TAP_RANGE = 2.0 * math.pi / 3.0
+"""Angle at which a tap is fully open, in rad."""
+TAP_OFFSET = 0.07
+"""Distance of a tap's axis from the faucet's middle, in m."""
+LEVER_LENGTH = 0.07
+"""Distance of a lever's tip from its tap's axis, in m."""
+LEVER_HEIGHT = 0.10
+"""Height of the levers above the table, in m."""
+
+_FRICTION_TORQUE = 0.1
+_CONTACT_TIME = 0.01
+
+
+def build_faucet_scene() -> mujoco.MjSpec:
+    """Return the scene: robot, table and faucet.
+
+    Seen from the robot, the hot tap is on the left (+y), the cold one on the right. A closed
+    tap's lever points outwards; opening swings it towards the robot, about the vertical.
+    """
+    spec = new_workspace("faucet")
+    spec.add_material(name="chrome", rgba=(0.80, 0.82, 0.85, 1.0), specular=0.9, shininess=0.8)
+    spec.add_material(name="hot", rgba=(0.78, 0.18, 0.16, 1.0), specular=0.4, shininess=0.4)
+    spec.add_material(name="cold", rgba=(0.16, 0.35, 0.72, 1.0), specular=0.4, shininess=0.4)
+    base = spec.worldbody.add_body(name="base", pos=FAUCET_POSITION)
+    _add_base(base)
+    _add_tap(base, name="hot_tap", side=1.0, material="hot")
+    _add_tap(base, name="cold_tap", side=-1.0, material="cold")
+    return spec
+
+
+def _solid(material: str) -> dict[str, object]:
+    return {
+        "material": material,
+        "contype": 0,
+        "conaffinity": ROBOT_BIT,
+        "condim": 4,
+        "friction": (0.8, 0.005, 0.0001),
+        "solref": (_CONTACT_TIME, 1.0),
+        "group": 2,
+    }
+
+
+def _add_base(base: mujoco.MjsBody) -> None:
+    bar = LEVER_HEIGHT - 0.04
+    base.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        fromto=(0.0, -TAP_OFFSET, bar, 0.0, TAP_OFFSET, bar),
+        size=(0.014, 0.0, 0.0),
+        **_solid("chrome"),
+    )
+    base.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        fromto=(0.0, 0.0, 0.01, 0.0, 0.0, 0.15),
+        size=(0.018, 0.0, 0.0),
+        **_solid("chrome"),
+    )
+    base.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        fromto=(0.0, 0.0, 0.15, -0.10, 0.0, 0.165),
+        size=(0.012, 0.0, 0.0),
+        **_solid("chrome"),
+    )
+    base.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        pos=(0.0, 0.0, 0.004),
+        size=(0.035, 0.004, 0.0),
+        contype=0,
+        conaffinity=0,
+        group=2,
+        material="chrome",
+    )
+
+
+def _add_tap(base: mujoco.MjsBody, *, name: str, side: float, material: str) -> None:
+    tap = base.add_body(name=name, pos=(0.0, side * TAP_OFFSET, 0.0))
+    tap.add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=(0.0, 0.0, side),
+        range=(0.0, TAP_RANGE),
+        limited=True,
+        frictionloss=_FRICTION_TORQUE,
+        damping=0.01,
+        armature=0.0005,
+    )
+    tap.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        fromto=(0.0, 0.0, LEVER_HEIGHT - 0.03, 0.0, 0.0, LEVER_HEIGHT),
+        size=(0.014, 0.0, 0.0),
+        mass=0.05,
+        **_solid(material),
+    )
+    tap.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        fromto=(0.0, 0.0, LEVER_HEIGHT, 0.0, side * (LEVER_LENGTH - 0.008), LEVER_HEIGHT),
+        size=(0.008, 0.0, 0.0),
+        mass=0.05,
+        **_solid(material),
+    )
+    tap.add_site(name=f"{name}_tip", pos=(0.0, side * LEVER_LENGTH, LEVER_HEIGHT), group=4)

@@ -1,0 +1,93 @@
+"""The recorded columns of a batch of motions."""
+
+from dataclasses import dataclass
+from hashlib import blake2b
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lqd_envs.errors import LQDError
+from lqd_envs.motion import MotionPlan
+from lqd_envs.perception import Columns, Infos
+from lqd_envs.tasks.task import Task
+from lqd_envs.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Trajectories:
+    """What N motions looked like, one row each.
+
+    Attributes:
+        task: The task they were tried in.
+        solutions: (N, 9) float64.
+        plan: Their start configurations and actions.
+        verdicts: (N,) uint8, a `Verdict` each.
+        columns: (N, 76, ...) perception at every control step; zero where it was rejected.
+    """
+
+    task: Task
+    solutions: NDArray[np.float64]
+    plan: MotionPlan
+    verdicts: NDArray[np.uint8]
+    columns: Columns
+
+    def __len__(self) -> int:
+        """Return the number of motions."""
+        return len(self.solutions)
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(N,) bool: which motions may be judged."""
+        return np.asarray(self.verdicts == Verdict.VALID)
+
+    def infos(self, i: int) -> Infos:
+        """Return motion `i` as the functionals see it: 76 dictionaries, from start to end.
+
+        Raises:
+            LQDError: The motion was never simulated.
+        """
+        verdict = Verdict(int(self.verdicts[i]))
+        if verdict.rejected:
+            raise LQDError(
+                f"expected a motion that was simulated, got motion {i}, which was rejected as "
+                f"{verdict.name.lower()}: ask only for motions whose verdict is not a rejection"
+            )
+        return self.columns.infos(i)
+
+    def success(self) -> NDArray[np.bool_]:
+        """Return (N,) bool: the expert's word on each motion; False where it failed before."""
+        return np.asarray(self.task.success(self.columns)) & self.valid
+
+    def ground_truth(self) -> NDArray[np.float64]:
+        """Return (N, d) float64: the ground-truth measures; NaN where undefined or not valid."""
+        measures = self.task.ground_truth.descriptor(self.columns)
+        return np.where(self.valid[:, None], measures, np.nan)
+
+    def digests(self) -> NDArray[np.uint64]:
+        """Return (N,) uint64: a fingerprint of each motion's perception, every bit of it.
+
+        Two motions have the same fingerprint if their infos are equal bit for bit, and else, for
+        all that matters, not. A motion that was rejected has 0.
+        """
+        columns = (
+            self.columns.object_position,
+            self.columns.object_orientation,
+            self.columns.object_table_contact,
+            self.columns.robot_table_contact,
+            self.columns.gripper_position,
+            self.columns.gripper_orientation,
+            self.columns.gripper_contacts,
+            self.columns.joint_positions,
+        )
+        digests = np.zeros(len(self), dtype=np.uint64)
+        for i in np.flatnonzero(self.simulated):
+            digest = blake2b(digest_size=8)
+            for column in columns:
+                digest.update(column[i].tobytes())
+            digests[i] = np.frombuffer(digest.digest(), dtype="<u8")[0]
+        return digests
+
+    @property
+    def simulated(self) -> NDArray[np.bool_]:
+        """(N,) bool: which motions were not rejected."""
+        return ~np.isin(self.verdicts, [int(v) for v in Verdict if v.rejected])
