@@ -1,7 +1,6 @@
 """Pictures of a simulation: arrays without a display, a window with one."""
 
 import os
-import sys
 from typing import Any
 
 import mujoco
@@ -9,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs.errors import LQDError
-from lqd_envs.rendering_backend import DISPLAY_VARIABLES
+from lqd_envs.rendering_backend import DISPLAY_VARIABLES, has_display
 from lqd_envs.scenes.workspace import CAMERA
 
 
@@ -64,7 +63,7 @@ class WindowRenderer:
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        if sys.platform == "linux" and not any(os.environ.get(n) for n in DISPLAY_VARIABLES):
+        if not has_display():
             raise RenderingError(
                 'expected a display for render_mode="human", got none '
                 f"({' and '.join(DISPLAY_VARIABLES)} are not set): use "

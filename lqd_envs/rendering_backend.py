@@ -7,14 +7,18 @@ import sys
 DISPLAY_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
+def has_display() -> bool:
+    """Return whether a window can be opened, as far as the environment tells."""
+    return sys.platform != "linux" or any(os.environ.get(name) for name in DISPLAY_VARIABLES)
+
+
 def choose_headless_backend() -> None:
     """Let MuJoCo draw through EGL where there is no display, unless the user chose a backend.
 
     It has an effect only before mujoco is first imported. Where EGL is missing too, nothing is
     changed: MuJoCo then simulates as ever, and only pictures fail.
     """
-    has_display = any(os.environ.get(name) for name in DISPLAY_VARIABLES)
-    if sys.platform != "linux" or has_display or "MUJOCO_GL" in os.environ:
+    if has_display() or "MUJOCO_GL" in os.environ:
         return
     try:
         ctypes.CDLL("libEGL.so.1")

@@ -90,6 +90,9 @@ def _add_tap(base: mujoco.MjsBody, *, name: str, side: float, material: str) -> 
         axis=(0.0, 0.0, side),
         range=(0.0, TAP_RANGE),
         limited=True,
+        # A hard stop: with MuJoCo's default the arm pushes a tap 10 degrees past its end.
+        solref_limit=(0.01, 1.0),
+        solimp_limit=(0.95, 0.999, 0.001, 0.5, 2.0),
         frictionloss=_FRICTION_TORQUE,
         damping=0.01,
         armature=0.0005,

@@ -23,7 +23,8 @@ def _hot_tap_is_open(columns: Columns) -> NDArray[np.bool_]:
 
 
 def _hot_tap_angle(columns: Columns) -> NDArray[np.float64]:
-    return columns.joint_positions[:, -1, [_HOT]]
+    # The stop of a tap that is held open yields by some thousandths of a radian.
+    return np.minimum(columns.joint_positions[:, -1, [_HOT]], TAP_RANGE)
 
 
 FAUCET = Task(
