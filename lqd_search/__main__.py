@@ -1,0 +1,20 @@
+"""The entry point of `lqd` and of `python -m lqd_search`."""
+
+import sys
+
+
+def main() -> None:
+    """Run the `lqd` command, or say what it needs."""
+    try:
+        from lqd_search.cli.main import main as run
+    except ModuleNotFoundError as error:
+        sys.stderr.write(
+            f"lqd: Expected the packages of the extra `search`, but {error.name} is not installed; "
+            "run `pip install 'lqd-envs[all]'`.\n"
+        )
+        sys.exit(2)
+    run()
+
+
+if __name__ == "__main__":
+    main()

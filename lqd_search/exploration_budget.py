@@ -1,0 +1,88 @@
+"""How the evaluations of a fitness exploration are shared."""
+
+from dataclasses import dataclass
+
+from lqd_envs.errors import LQDError
+
+
+class BudgetError(LQDError):
+    """The evaluations do not suffice for the fitness exploration."""
+
+
+@dataclass(frozen=True)
+class ExplorationBudget:
+    """How the evaluations are shared between the short runs and the long one.
+
+    Each short run gets a tenth of the evaluations, rounded down to whole generations. The first
+    generation of all of them is the same one, evaluated and counted once.
+
+    Attributes:
+        evaluations: All there are.
+        batch_size: Number of solutions in a generation; the last one may be smaller.
+        runs: Number of short runs.
+
+    Raises:
+        BudgetError: There is no run, a short run would have fewer than two generations, or nothing
+            would be left after the short runs.
+    """
+
+    evaluations: int
+    batch_size: int
+    runs: int
+
+    def __post_init__(self) -> None:
+        if self.runs < 1 or self.batch_size < 1:
+            raise BudgetError(
+                "Expected at least one fitness and a batch size of at least 1, but got "
+                f"{self.runs} and {self.batch_size}."
+            )
+        if self.short_generations < 2:
+            remedy = (
+                f"use a batch size of at most {self.evaluations // 20}"
+                if self.evaluations >= 20
+                else "spend at least 20 evaluations"
+            )
+            raise BudgetError(
+                "Expected each short run to have at least two generations, but a tenth of "
+                f"{self.evaluations} evaluations makes {self.short_generations} of "
+                f"{self.batch_size}; {remedy}."
+            )
+        if self.exploration >= self.evaluations:
+            raise BudgetError(
+                f"Expected evaluations to be left after {self.runs} short runs with a tenth of "
+                f"{self.evaluations} evaluations each; explore at most 10 fitness functions."
+            )
+
+    @property
+    def short_generations(self) -> int:
+        """Generations of each short run (b1), the first one included."""
+        return self.evaluations // (10 * self.batch_size)
+
+    @property
+    def exploration(self) -> int:
+        """Evaluations that the first generation and all short runs take."""
+        return self.batch_size * (1 + self.runs * (self.short_generations - 1))
+
+    def next_batch(self, evaluations: int) -> int:
+        """Return the size of the next generation.
+
+        Args:
+            evaluations: Number of evaluations spent.
+
+        Returns:
+            The batch size, or what is left.
+        """
+        return min(self.batch_size, self.evaluations - evaluations)
+
+    def run_at(self, evaluations: int) -> int | None:
+        """Return which short run it is the turn of.
+
+        Args:
+            evaluations: Number of evaluations spent, the first generation's among them.
+
+        Returns:
+            Its index; None after the exploration.
+        """
+        if evaluations >= self.exploration:
+            return None
+        return (evaluations // self.batch_size - 1) // (self.short_generations - 1)

@@ -1,0 +1,86 @@
+"""Carrying out one stored solution again, step by step, in the single Gymnasium env."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import NDArray
+
+from lqd_envs import Infos, LQDError, rollout
+
+Frame = NDArray[np.uint8]
+
+
+class ReplayError(LQDError):
+    """A motion that cannot be replayed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """What a replay showed.
+
+    Attributes:
+        infos: The 76 infos that the env gave, without `is_success`.
+        success: The expert's word at the end, from the env.
+        same_as_batch: Whether these infos are, bit for bit, those of a batch rollout.
+        digest: Fingerprint of the batch rollout, to be compared with the stored one.
+        frames: A picture for each info, where they were asked for.
+    """
+
+    infos: Infos
+    success: bool
+    same_as_batch: bool
+    digest: int
+    frames: tuple[Frame, ...]
+
+
+def replay(task: str, solution: NDArray[np.float64], *, render_mode: str | None = None) -> Replay:
+    """Carry out one solution in the env of a task.
+
+    Args:
+        task: Id of the task.
+        solution: (9,) the solution.
+        render_mode: `"rgb_array"` to collect frames, `"human"` to watch, or None.
+
+    Raises:
+        ReplayError: The solution is rejected before it could be simulated.
+        RenderingError: Pictures were asked for and cannot be drawn here.
+    """
+    batch = rollout(task, solution[None])
+    if not batch.simulated[0]:
+        raise ReplayError(
+            "Expected a solution that can be carried out, but this one is rejected here: its "
+            "start is unreachable or overlaps the scene; was it found by another version?"
+        )
+    env = gym.make(task, render_mode=render_mode)
+    try:
+        infos, success, frames = _play(env, batch.plan.starts[0], batch.plan.actions[0])
+    finally:
+        env.close()
+    return Replay(
+        infos=infos,
+        success=success,
+        same_as_batch=infos == batch.infos(0),
+        digest=int(batch.digests()[0]),
+        frames=tuple(frames),
+    )
+
+
+def _play(
+    env: gym.Env[Any, Any], start: NDArray[np.float64], actions: NDArray[np.float32]
+) -> tuple[Infos, bool, list[Frame]]:
+    _, info = env.reset(options={"arm": start})
+    infos, frames = [info], _frame(env)
+    for action in actions:
+        _, _, _, _, info = env.step(action)
+        infos.append(info)
+        frames += _frame(env)
+    success = bool(infos[-1]["is_success"])
+    for info in infos:
+        del info["is_success"]
+    return infos, success, frames  # type: ignore[return-value] # the env's infos are Info now
+
+
+def _frame(env: gym.Env[Any, Any]) -> list[Frame]:
+    return [np.asarray(env.render())] if env.render_mode == "rgb_array" else []

@@ -1,0 +1,41 @@
+import numpy as np
+
+from lqd_search.search import search
+from lqd_search.values import Values
+
+
+class CountingMethod:
+    """Three batches of two, each told what was asked for."""
+
+    def __init__(self) -> None:
+        self.evaluations = 0
+        self.told: list[Values] = []
+
+    @property
+    def done(self) -> bool:
+        return self.evaluations == 6
+
+    @property
+    def stage(self) -> str:
+        return f"at {self.evaluations}"
+
+    def ask(self):
+        return np.full((2, 9), float(self.evaluations))
+
+    def tell(self, values) -> None:
+        self.told.append(values)
+        self.evaluations += 2
+
+
+def test_asks_evaluates_tells_and_observes_in_turn():
+    method, observed = CountingMethod(), []
+
+    def evaluate(solutions):
+        valid = np.ones(len(solutions), dtype=bool)
+        return Values(valid=valid, success=~valid, fitness={"first": solutions[:, 0]}, measures={})
+
+    search(method, evaluate, observe=lambda stage, values: observed.append((stage, values)))
+
+    assert [stage for stage, _ in observed] == ["at 0", "at 2", "at 4"]
+    assert [values.fitness["first"][0] for _, values in observed] == [0.0, 2.0, 4.0]
+    assert [values for _, values in observed] == method.told
