@@ -14,6 +14,7 @@ from lqd_envs.observation import Observation
 from lqd_envs.rendering import ArrayRenderer, WindowRenderer
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.panda import ARM_JOINTS, HOME
+from lqd_envs.scenes.workspace import MAX_PICTURE
 from lqd_envs.tasks.registry import get_task
 
 MAX_EPISODE_STEPS = 150
@@ -75,7 +76,8 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
 
     ## End
 
-    An episode never terminates; it is truncated after 150 control steps.
+    An episode never terminates. It is truncated after 150 control steps, or as soon as the
+    simulation diverges; MuJoCo then starts over from its default state, and `is_success` is False.
 
     ## Arguments
 
@@ -105,6 +107,11 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             raise LQDError(
                 f"expected render_mode to be one of {self.metadata['render_modes']} or None, "
                 f"got {render_mode!r}"
+            )
+        if not (0 < width <= MAX_PICTURE[0] and 0 < height <= MAX_PICTURE[1]):
+            raise LQDError(
+                f"expected pictures of at most {MAX_PICTURE[0]} x {MAX_PICTURE[1]} pixels, got "
+                f"{width} x {height}"
             )
         self.render_mode = render_mode
         self._size = (width, height)
@@ -150,6 +157,8 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
                 "with the robot inside the table or the object: start further away"
             )
         self._start_sensordata = self.data.sensordata.copy()
+        if self.render_mode == "human":
+            self.render()
         return self._observe(self._start_sensordata)
 
     def step(
@@ -161,7 +170,8 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             action: (8,) in [-1, 1].
 
         Returns:
-            Observation, reward, terminated (never), truncated (never by itself) and info.
+            Observation, reward, terminated (never), truncated (where the simulation diverged)
+            and info.
 
         Raises:
             LQDError: The action has another shape or is not finite, or `reset` was not called.
@@ -176,7 +186,9 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         if self.render_mode == "human":
             self.render()
         observation, info = self._observe(self._start_sensordata)
-        return observation, float(info["is_success"]), False, False, info
+        diverged = bool(np.any(self.data.warning.number))
+        info["is_success"] &= not diverged
+        return observation, float(info["is_success"]), False, diverged, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture (`rgb_array`), show the window (`human`), or do nothing.
@@ -223,10 +235,10 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         return observation, info
 
     def _checked_start(self, options: dict[str, Any]) -> NDArray[np.float64]:
-        unknown = sorted(set(options) - {"arm"})
+        unknown = sorted(map(repr, set(options) - {"arm"}))
         if unknown:
             raise ResetError(f"expected the option 'arm' at most, got {', '.join(unknown)}")
-        arm = np.asarray(options.get("arm", HOME), dtype=np.float64)
+        arm = _numbers(options.get("arm", HOME))
         if arm.shape != (len(ARM_JOINTS),) or not np.isfinite(arm).all():
             raise ResetError(
                 f"expected the option 'arm' to be {len(ARM_JOINTS)} finite joint positions in "
@@ -244,9 +256,17 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
 
 
 def _checked_action(action: ArrayLike) -> NDArray[np.float64]:
-    checked = np.asarray(action, dtype=np.float64)
+    checked = _numbers(action)
     if checked.shape != (ACTION_DIM,) or not np.isfinite(checked).all():
         raise LQDError(
             f"expected an action of {ACTION_DIM} finite numbers in [-1, 1], got {action!r}"
         )
     return checked
+
+
+def _numbers(value: object) -> NDArray[np.float64]:
+    """Return the value as an array, or an array of no shape that fits where it is none."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.empty(0)

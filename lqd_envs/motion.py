@@ -67,13 +67,14 @@ def plan_motions(scene: Scene, solutions: ArrayLike, *, threads: int = 0) -> Mot
 
     Args:
         scene: The task's scene.
-        solutions: (N, 9) solutions.
+        solutions: (N, 9) feasible solutions.
         threads: Threads to use; 0: one for each CPU. The result does not depend on it.
 
     Raises:
-        SolutionError: `solutions` has another shape or a number that is not finite.
+        SolutionError: `solutions` has another shape, a number that is not finite, or a row
+            outside the space.
     """
-    checked = SolutionSpace().validate(solutions)
+    checked = SolutionSpace().require_feasible(solutions)
     kinematics = ArmKinematics(threads=threads)
     starts, reached = kinematics.reach(*start_poses(scene.task, checked))
     verdicts = np.where(reached, Verdict.VALID, Verdict.UNREACHABLE).astype(np.uint8)

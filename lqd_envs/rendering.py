@@ -1,6 +1,7 @@
 """Pictures of a simulation: arrays without a display, a window with one."""
 
 import os
+import warnings
 from typing import Any
 
 import mujoco
@@ -30,7 +31,10 @@ class ArrayRenderer:
 
     def __init__(self, model: mujoco.MjModel, *, width: int, height: int) -> None:
         try:
-            self._renderer = mujoco.Renderer(model, height=height, width=width)
+            # GLFW warns before MuJoCo raises; the error below says it all.
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                self._renderer = mujoco.Renderer(model, height=height, width=width)
         # What is raised depends on the backend and on what exactly it misses.
         except (mujoco.FatalError, ImportError, AttributeError, OSError, RuntimeError) as error:
             raise RenderingError(

@@ -20,8 +20,14 @@ def choose_headless_backend() -> None:
     """
     if has_display() or "MUJOCO_GL" in os.environ:
         return
+    # With EGL chosen but no OpenGL beside it, importing mujoco fails.
+    if _loads("libEGL.so.1") and (_loads("libOpenGL.so.0") or _loads("libGL.so.1")):
+        os.environ["MUJOCO_GL"] = "egl"
+
+
+def _loads(library: str) -> bool:
     try:
-        ctypes.CDLL("libEGL.so.1")
+        ctypes.CDLL(library)
     except OSError:
-        return
-    os.environ["MUJOCO_GL"] = "egl"
+        return False
+    return True

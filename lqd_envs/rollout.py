@@ -29,18 +29,19 @@ def rollout(task: Task | str, solutions: ArrayLike, *, threads: int = 0) -> Traj
 
     Args:
         task: A task or its id.
-        solutions: (N, 9) solutions.
+        solutions: (N, 9) feasible solutions.
         threads: Threads to use; 0: one for each CPU.
 
     Returns:
         The motions' perception and verdicts.
 
     Raises:
-        SolutionError: `solutions` has another shape or a number that is not finite.
+        SolutionError: `solutions` has another shape, a number that is not finite, or a row
+            outside the space.
         UnknownTaskError: There is no task of that id.
     """
     scene = load_scene(get_task(task) if isinstance(task, str) else task)
-    checked = SolutionSpace().validate(solutions)
+    checked = SolutionSpace().require_feasible(solutions)
     return simulate(scene, checked, plan_motions(scene, checked, threads=threads), threads=threads)
 
 

@@ -141,6 +141,28 @@ class SolutionSpace:
             & (length <= 1.0)
         )
 
+    def require_feasible(self, solutions: ArrayLike) -> Solutions:
+        """Return `solutions` as an array, or say which of them lies outside the space.
+
+        Args:
+            solutions: What should be (n, 9) feasible solutions.
+
+        Returns:
+            (n, 9) float64.
+
+        Raises:
+            SolutionError: It is not.
+        """
+        checked = self.validate(solutions)
+        outside = np.flatnonzero(~self.feasible(checked))
+        if len(outside):
+            raise SolutionError(
+                f"expected feasible solutions, got {len(outside)} that are not, the first of them "
+                f"solution {outside[0]}, {checked[outside[0]].tolist()}: bring them back with "
+                "SolutionSpace().repair"
+            )
+        return checked
+
     def validate(self, solutions: ArrayLike) -> Solutions:
         """Return `solutions` as an array, or say what is wrong with them.
 

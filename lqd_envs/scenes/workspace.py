@@ -11,6 +11,9 @@ CAMERA = "overview"
 PHYSICS_STEP = 0.0025
 """Physics step in s; how it was chosen stands in docs/physics.md."""
 
+MAX_PICTURE = (1920, 1440)
+"""Largest width and height of a picture, in pixels."""
+
 _TABLE_CENTER = (0.35, 0.0)
 _TABLE_HALF_SIZE = (0.55, 0.6)
 _TABLE_THICKNESS = 0.04
@@ -125,8 +128,8 @@ def _add_lights_and_camera(spec: mujoco.MjSpec) -> None:
     spec.visual.headlight.ambient = (0.45, 0.45, 0.45)
     spec.visual.headlight.diffuse = (0.25, 0.25, 0.25)
     spec.visual.quality.shadowsize = 4096
-    spec.visual.global_.offwidth = 1280
-    spec.visual.global_.offheight = 960
+    spec.visual.global_.offwidth = MAX_PICTURE[0]
+    spec.visual.global_.offheight = MAX_PICTURE[1]
     spec.worldbody.add_camera(
         name=CAMERA,
         pos=(1.2, -0.78, 0.72),

@@ -1,0 +1,118 @@
+"""The faucet's scene, one batch of random motions, and contacts read without any sensor."""
+
+# Before anything imports mujoco, which chooses its OpenGL backend once and for all.
+from lqd_envs import SolutionSpace, Task, Trajectories, get_task, rollout
+
+# isort: split
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike, NDArray
+
+from lqd_envs.scene import Scene, load_scene
+
+BATCH = 240
+
+# Turns the hot tap by 1.57 rad, first on its own and then along the faucet's base.
+TURNING = (-0.76, 0.66, -0.05, -0.14, 0.48, 0.39, 0.92, -0.17, 0.07)
+
+
+@dataclass(frozen=True)
+class RobotContact:
+    """A contact of the robot with anything else.
+
+    Attributes:
+        robot: Name of the robot's body.
+        body: Name of the other body, `world` for the table.
+        geom: Name of the other geom.
+        distance: In m, below 0 where they are inside each other.
+    """
+
+    robot: str
+    body: str
+    geom: str
+    distance: float
+
+
+ContactReader = Callable[[mujoco.MjData], list[RobotContact]]
+StateMaker = Callable[[ArrayLike], mujoco.MjData]
+
+
+@pytest.fixture(scope="session")
+def faucet() -> Task:
+    return get_task("LQD/Faucet-v0")
+
+
+@pytest.fixture(scope="session")
+def scene(faucet: Task) -> Scene:
+    return load_scene(faucet)
+
+
+@pytest.fixture(scope="session")
+def space() -> SolutionSpace:
+    return SolutionSpace()
+
+
+@pytest.fixture(scope="session")
+def solutions(space: SolutionSpace) -> NDArray[np.float64]:
+    """Uniform random solutions, more than 200."""
+    return space.sample(BATCH, rng=np.random.default_rng(0))
+
+
+@pytest.fixture(scope="session")
+def trajectories(faucet: Task, solutions: NDArray[np.float64]) -> Trajectories:
+    return rollout(faucet, solutions)
+
+
+@pytest.fixture(scope="session")
+def turning_solution() -> NDArray[np.float64]:
+    """(9,): a motion that turns on the hot water."""
+    return np.array(TURNING)
+
+
+@pytest.fixture(scope="session")
+def turning(faucet: Task, turning_solution: NDArray[np.float64]) -> Trajectories:
+    """The one motion that turns on the hot water."""
+    return rollout(faucet, turning_solution[None])
+
+
+@pytest.fixture(scope="session")
+def started(scene: Scene) -> StateMaker:
+    """A function that puts the arm somewhere, fingers open, by plain `mj_forward`."""
+
+    def start(arm: ArrayLike) -> mujoco.MjData:
+        data = mujoco.MjData(scene.model)
+        data.qpos[:] = scene.start_qpos(arm)
+        mujoco.mj_forward(scene.model, data)
+        return data
+
+    return start
+
+
+@pytest.fixture(scope="session")
+def robot_contacts(scene: Scene) -> ContactReader:
+    """A function that lists the robot's contacts from `data.contact`."""
+    model = scene.model
+    robot = model.body("panda0_link0").id
+
+    def read(data: mujoco.MjData) -> list[RobotContact]:
+        contacts = []
+        for contact in data.contact:
+            bodies = [int(model.geom_bodyid[geom]) for geom in contact.geom]
+            of_robot = [bool(model.body_rootid[body] == robot) for body in bodies]
+            if sum(of_robot) == 1:
+                mine, other = (0, 1) if of_robot[0] else (1, 0)
+                contacts.append(
+                    RobotContact(
+                        robot=model.body(bodies[mine]).name,
+                        body=model.body(bodies[other]).name,
+                        geom=model.geom(contact.geom[other]).name,
+                        distance=float(contact.dist),
+                    )
+                )
+        return contacts
+
+    return read
