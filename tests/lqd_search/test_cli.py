@@ -12,6 +12,7 @@ from lqd_envs import rollout
 from lqd_llm import FunctionSource, build_function
 from lqd_search.cli.main import lqd, main
 from lqd_search.cli.run import default_batch_size
+from lqd_search.replay import replay
 from lqd_search.stored_archive import StoredArchive
 
 SIZE = ("--evaluations", "640", "--batch-size", "32")
@@ -257,3 +258,16 @@ def test_help_names_the_commands(capsys):
     assert status == 0
     for command in ("run", "show", "replay"):
         assert command in out
+
+
+def test_fifty_elites_are_replayed_bit_for_bit(run):
+    fields = StoredArchive.load(run[0] / "archive.npz").fields
+    rows = np.linspace(0, len(fields["solution"]) - 1, 50).round().astype(int)
+    assert len(set(rows)) == 50
+
+    for row in rows:
+        shown = replay("LQD/Faucet-v0", fields["solution"][row])
+
+        assert shown.same_as_batch
+        assert shown.digest == fields["digest"][row]
+        assert shown.success == fields["expert"][row]
