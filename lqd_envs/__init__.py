@@ -21,20 +21,29 @@ from lqd_envs.perception import (  # noqa: E402
     SuccessFunction,
     TimestampFunction,
 )
-from lqd_envs.registration import register_envs  # noqa: E402
+from lqd_envs.registration import register_task  # noqa: E402
 from lqd_envs.rendering import RenderingError  # noqa: E402
 from lqd_envs.rollout import rollout  # noqa: E402
 from lqd_envs.solution_space import SolutionError, SolutionSpace  # noqa: E402
-from lqd_envs.tasks.registry import TASKS, UnknownTaskError, get_task  # noqa: E402
+from lqd_envs.tasks.registry import (  # noqa: E402
+    PAPER_TASKS,
+    TASKS,
+    DuplicateTaskError,
+    UnknownTaskError,
+    get_task,
+)
 from lqd_envs.tasks.task import GroundTruth, Task  # noqa: E402
 from lqd_envs.trajectories import Trajectories  # noqa: E402
 from lqd_envs.verdict import Verdict  # noqa: E402
 
-register_envs()
+for _task in PAPER_TASKS:
+    register_task(_task)
 
 __all__ = [
+    "PAPER_TASKS",
     "TASKS",
     "Columns",
+    "DuplicateTaskError",
     "FitnessFunction",
     "GroundTruth",
     "Info",
@@ -56,6 +65,6 @@ __all__ = [
     "Verdict",
     "get_task",
     "plan_motions",
-    "register_envs",
+    "register_task",
     "rollout",
 ]

@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from lqd_envs.action import ACTION_DIM, CONTROL_STEP
 from lqd_envs.errors import LQDError
 from lqd_envs.observation import Observation
+from lqd_envs.perception import Columns
 from lqd_envs.rendering import ArrayRenderer, WindowRenderer
+from lqd_envs.reward import get_reward
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.panda import ARM_JOINTS, HOME
 from lqd_envs.scenes.workspace import MAX_PICTURE
@@ -66,7 +68,10 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
 
     ## Reward
 
-    1 where `is_success` holds, 0 elsewhere.
+    `reward="sparse"`: 1 where `is_success` holds, 0 elsewhere. `reward="dense"`: 1 where it holds;
+    elsewhere half of a nearness in [0, 1], of which a quarter is exp(-d / 0.1 m) for the distance d
+    from the gripper to what it should touch, and three quarters are the share of the task that is
+    done (the task's page says what that is).
 
     ## Start
 
@@ -82,6 +87,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
     ## Arguments
 
     * `task`: id of the task.
+    * `reward`: `"sparse"` or `"dense"`.
     * `render_mode`: `"rgb_array"`, `"human"` or None.
     * `width`, `height`: size of the pictures in pixels.
 
@@ -99,6 +105,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         self,
         task: str = "LQD/Faucet-v0",
         *,
+        reward: str = "sparse",
         render_mode: str | None = None,
         width: int = 640,
         height: int = 480,
@@ -116,6 +123,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         self.render_mode = render_mode
         self._size = (width, height)
         self._scene = load_scene(get_task(task))
+        self._reward = get_reward(reward)
         self._layout = Observation.of(self._scene)
         self._renderer: ArrayRenderer | None = None
         self._window: WindowRenderer | None = None
@@ -159,7 +167,8 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         self._start_sensordata = self.data.sensordata.copy()
         if self.render_mode == "human":
             self.render()
-        return self._observe(self._start_sensordata)
+        observation, _, info = self._observe(self._start_sensordata)
+        return observation, info
 
     def step(
         self, action: ArrayLike
@@ -185,10 +194,11 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         mujoco.mj_step1(self.model, self.data)
         if self.render_mode == "human":
             self.render()
-        observation, info = self._observe(self._start_sensordata)
+        observation, columns, info = self._observe(self._start_sensordata)
         diverged = bool(np.any(self.data.warning.number))
         info["is_success"] &= not diverged
-        return observation, float(info["is_success"]), False, diverged, info
+        reward = 0.0 if diverged else float(self._reward(self._scene.task, columns)[0])
+        return observation, reward, False, diverged, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture (`rgb_array`), show the window (`human`), or do nothing.
@@ -219,7 +229,9 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             self._window.close()
             self._window = None
 
-    def _observe(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64], dict[str, Any]]:
+    def _observe(
+        self, start: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], Columns, dict[str, Any]]:
         sensordata = self.data.sensordata
         since_start = np.stack([start, sensordata])
         columns = self._scene.sensors.columns(since_start[None])
@@ -232,7 +244,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         )[0]
         info: dict[str, Any] = dict(columns.infos(0)[-1])
         info["is_success"] = bool(self._scene.task.success(columns)[0])
-        return observation, info
+        return observation, columns, info
 
     def _checked_start(self, options: dict[str, Any]) -> NDArray[np.float64]:
         unknown = sorted(map(repr, set(options) - {"arm"}))

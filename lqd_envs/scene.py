@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.action import CONTROL_STEP, ActionMap
-from lqd_envs.scenes.panda import ARM_JOINTS, FINGER_JOINTS, FINGER_OPEN
+from lqd_envs.scenes.panda import ARM_JOINTS, FINGER_JOINTS, FINGER_OPEN, HOME
 from lqd_envs.scenes.sensors import SensorReader, add_sensors
 from lqd_envs.tasks.task import Task
+
+_SETTLING_TIME = 2.0
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,7 @@ class Scene:
         arm_qpos: (7,) addresses of the arm's joints in `qpos`.
         arm_qvel: (7,) addresses of the arm's joints in `qvel`.
         finger_qpos: (2,) addresses of the fingers' joints in `qpos`.
+        rest: (nq,) joint positions with the object at rest; the robot's are not meant.
     """
 
     task: Task
@@ -36,6 +39,7 @@ class Scene:
     arm_qpos: NDArray[np.intp]
     arm_qvel: NDArray[np.intp]
     finger_qpos: NDArray[np.intp]
+    rest: NDArray[np.float64]
 
     def start_qpos(self, arm: ArrayLike) -> NDArray[np.float64]:
         """Return start positions of all joints: the arm's as given, open fingers, object at rest.
@@ -47,7 +51,7 @@ class Scene:
             (..., nq) float64.
         """
         configurations = np.asarray(arm, dtype=np.float64)
-        qpos = np.tile(self.model.qpos0, (*configurations.shape[:-1], 1))
+        qpos = np.tile(self.rest, (*configurations.shape[:-1], 1))
         qpos[..., self.arm_qpos] = configurations
         qpos[..., self.finger_qpos] = FINGER_OPEN
         return qpos
@@ -79,4 +83,25 @@ def load_scene(task: Task, *, physics_step: float | None = None) -> Scene:
         arm_qpos=addresses("qposadr", ARM_JOINTS),
         arm_qvel=addresses("dofadr", ARM_JOINTS),
         finger_qpos=addresses("qposadr", FINGER_JOINTS),
+        rest=_settled(model),
     )
+
+
+def _settled(model: mujoco.MjModel) -> NDArray[np.float64]:
+    """Return start positions in which a free object has sunk as far as its weight presses it.
+
+    Only its height is taken: at the start its orientation is zero.
+    """
+    rest: NDArray[np.float64] = model.qpos0.copy()
+    free = np.flatnonzero(model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE))
+    if not len(free):
+        return rest
+    data = mujoco.MjData(model)
+    for actuator, (name, position) in enumerate(zip(ARM_JOINTS, HOME, strict=True)):
+        data.qpos[model.joint(name).qposadr[0]] = position
+        data.ctrl[actuator] = position
+    mujoco.mj_step(model, data, nstep=round(_SETTLING_TIME / model.opt.timestep))
+    for joint in free:
+        height = model.jnt_qposadr[joint] + 2
+        rest[height] = data.qpos[height]
+    return rest

@@ -24,7 +24,7 @@ class Verdict(IntEnum):
     DIVERGED = 3
     """Discarded: the simulation raised a warning."""
     PENETRATING = 4
-    """Discarded: robot and scene were more than 3 mm inside each other at a control step."""
+    """Discarded: two bodies were more than 3 mm inside each other at a control step."""
     TOO_FAST = 5
     """Discarded: the object's farthest point was faster than 2 m/s at a control step."""
 

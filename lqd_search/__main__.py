@@ -8,9 +8,10 @@ def main() -> None:
     try:
         from lqd_search.cli.main import main as run
     except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
         sys.stderr.write(
-            f"lqd: Expected the packages of the extra `search`, but {(error.name or '').partition('.')[0]} is not "
-            "installed; run `pip install 'lqd-envs[all]'`.\n"
+            f"lqd: Expected the packages of the extra `search`, but {package} is not installed; "
+            "run `pip install 'lqd-envs[all]'`.\n"
         )
         sys.exit(2)
     run()

@@ -16,6 +16,7 @@ _FOUND = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND)
 _DISTANCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_DIST)
 _CLOSEST = 1
 _ROBOT_CONTACT = "robot_contact"
+_OBJECT_CONTACT = "object_contact"
 
 
 def add_sensors(
@@ -55,6 +56,7 @@ def add_sensors(
     table = {"reftype": objects.mjOBJ_GEOM, "refname": TABLE}
     if not schema.fixed:
         add_contact("object_table", first=(objects.mjOBJ_XBODY, base), **table)
+        add_contact(_OBJECT_CONTACT, first=(objects.mjOBJ_XBODY, base))
     add_contact("robot_table", first=(objects.mjOBJ_XBODY, ROBOT_BASE), **table)
     for link in schema.links:
         add_contact(
@@ -127,9 +129,15 @@ class SensorReader:
         return self._touches(sensordata, _ROBOT_CONTACT)
 
     def depth(self, sensordata: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (...) float64: how deep the robot is inside table or object, in m, at least 0."""
-        distance = sensordata[..., self.slices[_ROBOT_CONTACT].start + 1]
-        return np.where(self.robot_touches(sensordata), np.maximum(-distance, 0.0), 0.0)
+        """Return (...) float64: the deepest contact of robot or object, in m, at least 0."""
+        depths = [
+            np.where(
+                self._touches(sensordata, name), -sensordata[..., self.slices[name].start + 1], 0.0
+            )
+            for name in (_ROBOT_CONTACT, _OBJECT_CONTACT)
+            if name in self.slices
+        ]
+        return np.asarray(np.maximum(np.max(depths, axis=0), 0.0))
 
     def speed(self, sensordata: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (...) float64: speed of the object's fastest watched point, in m/s."""

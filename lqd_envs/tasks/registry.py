@@ -3,17 +3,44 @@
 from types import MappingProxyType
 
 from lqd_envs.errors import LQDError
+from lqd_envs.tasks.drawer import DRAWER
 from lqd_envs.tasks.faucet import FAUCET
+from lqd_envs.tasks.grasp import GRASP
+from lqd_envs.tasks.push import PUSH
 from lqd_envs.tasks.task import Task
 
-TASKS = MappingProxyType({task.id: task for task in (FAUCET,)})
-"""Every task, by id."""
+PAPER_TASKS = (GRASP, FAUCET, DRAWER, PUSH)
+"""The paper's four tasks, in its order."""
+
+_TASKS: dict[str, Task] = {}
+TASKS = MappingProxyType(_TASKS)
+"""Every registered task, by id."""
 
 
 class UnknownTaskError(LQDError, KeyError):
     """A task id that is not registered."""
 
     __str__ = Exception.__str__  # KeyError would show the sentence in quotes
+
+
+class DuplicateTaskError(LQDError, ValueError):
+    """A task whose id another task has already."""
+
+
+def add_task(task: Task) -> None:
+    """Add a task, so that it is found by its id.
+
+    Args:
+        task: The task; adding the same one again does nothing.
+
+    Raises:
+        DuplicateTaskError: Another task has this id.
+    """
+    if _TASKS.setdefault(task.id, task) is not task:
+        raise DuplicateTaskError(
+            f"expected an id that is still free, got {task.id!r}, which another task has: give "
+            "yours a name or version of its own"
+        )
 
 
 def get_task(task_id: str) -> Task:

@@ -12,6 +12,8 @@ from lqd_envs.perception import Columns, PerceptionSchema, Vector3
 SceneBuilder = Callable[[], mujoco.MjSpec]
 ExpertSuccess = Callable[[Columns], NDArray[np.bool_]]
 """(N, T, ...) columns to (N,) bool: does the last moment, given the first, show a success?"""
+ShapedReward = Callable[[Columns], NDArray[np.float64]]
+"""(N, T, ...) columns to (N,) float64 in [0, 1]: how near the last moment is to a success."""
 ExpertDescriptor = Callable[[Columns], NDArray[np.float64]]
 """(N, T, ...) columns to (N, d) float64; a row of NaN where it is not defined."""
 
@@ -65,6 +67,7 @@ class Task:
         base: Body of the scene whose frame is the object's base.
         fast_points: Sites of the scene on the object whose speed is watched.
         success: The expert's success condition.
+        nearness: How near a moment is to a success: the shaped part of the dense reward.
         ground_truth: The ground-truth descriptor and its grid.
     """
 
@@ -76,6 +79,7 @@ class Task:
     base: str
     fast_points: tuple[str, ...]
     success: ExpertSuccess
+    nearness: ShapedReward
     ground_truth: GroundTruth
 
     @property

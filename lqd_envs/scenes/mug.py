@@ -1,0 +1,141 @@
+"""A mug with a handle, free on the table."""
+
+import math
+
+import mujoco
+
+from lqd_envs.scenes.panda import ROBOT_BIT
+from lqd_envs.scenes.workspace import OBJECT_BIT, new_workspace
+
+MUG_POSITION = (0.5, 0.0)
+"""Where the mug stands, in m, world frame."""
+MUG_RADIUS = 0.036
+"""Outer radius in m."""
+MUG_HEIGHT = 0.08
+"""Height in m."""
+WALL = 0.005
+"""Thickness of the wall in m."""
+HANDLE_REACH = 0.030
+"""Distance from the wall to the far side's middle of the handle, in m."""
+
+_SIDES = 8
+_BOTTOM = 0.006
+_BUMPER = 0.005
+_HANDLE_RADIUS = 0.005
+_HANDLE_HEIGHTS = (0.016, 0.064)
+_WALL_MASS, _BOTTOM_MASS, _HANDLE_MASS = 0.24, 0.045, 0.005
+_GRIP_TIME, _REST_TIME = 0.01, 0.02
+
+
+def build_mug_scene() -> mujoco.MjSpec:
+    """Return the scene: robot, table and a hollow mug of 0.3 kg.
+
+    Its handle points to the robot's right (-y). The walls, the bottom and the handle are what the
+    robot touches; the table carries the mug on four small feet, and, when it has toppled, on two
+    rings of bumpers and two more on the handle, so that it lies on the table in every pose.
+    """
+    spec = new_workspace("mug")
+    spec.add_material(name="china", rgba=(0.93, 0.92, 0.88, 1.0), specular=0.5, shininess=0.6)
+    spec.add_material(name="glaze", rgba=(0.20, 0.42, 0.55, 1.0), specular=0.6, shininess=0.6)
+    mug = spec.worldbody.add_body(name="mug", pos=(*MUG_POSITION, 0.0))
+    mug.add_freejoint(name="mug")
+    _add_walls(mug)
+    _add_handle(mug)
+    _add_bumpers(mug)
+    for name, position in _far_points().items():
+        mug.add_site(name=name, pos=position, group=4)
+    return spec
+
+
+MUG_POINTS = ("mug_handle", "mug_rim_front", "mug_rim_back", "mug_bottom")
+"""Sites at the mug's extremes, whose speed is watched."""
+
+
+def _far_points() -> dict[str, tuple[float, float, float]]:
+    middle = sum(_HANDLE_HEIGHTS) / 2
+    points = (
+        (0.0, -(MUG_RADIUS + HANDLE_REACH), middle),
+        (-MUG_RADIUS, 0.0, MUG_HEIGHT),
+        (MUG_RADIUS, 0.0, MUG_HEIGHT),
+        (0.0, MUG_RADIUS, 0.0),
+    )
+    return dict(zip(MUG_POINTS, points, strict=True))
+
+
+def _graspable(material: str) -> dict[str, object]:
+    return {
+        "material": material,
+        "contype": 0,
+        "conaffinity": ROBOT_BIT,
+        "condim": 4,
+        "friction": (1.0, 0.005, 0.0001),
+        "solref": (_GRIP_TIME, 1.0),
+        "group": 2,
+    }
+
+
+def _add_walls(mug: mujoco.MjsBody) -> None:
+    middle = MUG_RADIUS - WALL / 2
+    half_width = MUG_RADIUS * math.tan(math.pi / _SIDES)
+    for i in range(_SIDES):
+        angle = 2.0 * math.pi * i / _SIDES
+        mug.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            pos=(middle * math.cos(angle), middle * math.sin(angle), MUG_HEIGHT / 2),
+            quat=(math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)),
+            size=(WALL / 2, half_width, MUG_HEIGHT / 2),
+            mass=_WALL_MASS / _SIDES,
+            **_graspable("china"),
+        )
+    mug.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        pos=(0.0, 0.0, _BOTTOM / 2),
+        size=(MUG_RADIUS - WALL, _BOTTOM / 2, 0.0),
+        mass=_BOTTOM_MASS,
+        **_graspable("glaze"),
+    )
+
+
+def _add_handle(mug: mujoco.MjsBody) -> None:
+    low, high = _HANDLE_HEIGHTS
+    near, far = -(MUG_RADIUS - WALL / 2), -(MUG_RADIUS + HANDLE_REACH - _HANDLE_RADIUS)
+    for start, end in (
+        ((0.0, near, low), (0.0, far, low)),
+        ((0.0, far, low), (0.0, far, high)),
+        ((0.0, far, high), (0.0, near, high)),
+    ):
+        mug.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            fromto=(*start, *end),
+            size=(_HANDLE_RADIUS, 0.0, 0.0),
+            mass=_HANDLE_MASS,
+            **_graspable("glaze"),
+        )
+
+
+def _add_bumpers(mug: mujoco.MjsBody) -> None:
+    foot_radius = MUG_RADIUS - 0.010
+    ring_radius = MUG_RADIUS - _BUMPER
+    feet = [(foot_radius, (i + 0.5) / 4, _BUMPER) for i in range(4)]
+    # Above the feet's level, so that a standing mug rests on four contacts alone.
+    low_ring = [(ring_radius, i / _SIDES, _BUMPER + 0.002) for i in range(_SIDES)]
+    rim = [(ring_radius, i / _SIDES, MUG_HEIGHT - _BUMPER) for i in range(_SIDES)]
+    positions = [
+        (radius * math.cos(2 * math.pi * turn), radius * math.sin(2 * math.pi * turn), height)
+        for radius, turn, height in (*feet, *low_ring, *rim)
+    ]
+    far = -(MUG_RADIUS + HANDLE_REACH - _BUMPER)
+    positions += [(0.0, far, height) for height in _HANDLE_HEIGHTS]
+    for position in positions:
+        mug.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            pos=position,
+            size=(_BUMPER, 0.0, 0.0),
+            contype=OBJECT_BIT,
+            conaffinity=0,
+            condim=4,
+            friction=(0.5, 0.005, 0.0001),
+            solref=(_REST_TIME, 1.0),
+            mass=0.0,
+            group=3,
+        )
