@@ -10,21 +10,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.action import ACTION_DIM, CONTROL_STEP
 from lqd_envs.errors import LQDError
+from lqd_envs.inputs import ResetError as ResetError
+from lqd_envs.inputs import (
+    checked_action,
+    checked_arm,
+    checked_size,
+    overlap_error,
+    require_known_options,
+)
 from lqd_envs.observation import Observation
 from lqd_envs.perception import Columns
 from lqd_envs.rendering import ArrayRenderer, WindowRenderer
 from lqd_envs.reward import get_reward
 from lqd_envs.scene import load_scene
-from lqd_envs.scenes.panda import ARM_JOINTS, HOME
-from lqd_envs.scenes.workspace import MAX_PICTURE
+from lqd_envs.scenes.panda import HOME
 from lqd_envs.tasks.registry import get_task
 
 MAX_EPISODE_STEPS = 150
 """Length of an episode in control steps (3 s): twice that of a motion primitive."""
-
-
-class ResetError(LQDError, ValueError):
-    """Options of `reset` that cannot be used."""
 
 
 class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
@@ -50,7 +53,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
     | 4 | arm joint 5 | -2.8973 | 2.8973 | rad |
     | 5 | arm joint 6 | -1.6573 | 2.1127 | rad |
     | 6 | arm joint 7 | -2.8973 | 2.8973 | rad |
-    | 7 | each finger; below 0 they squeeze | -0.02 | 0.04 | m |
+    | 7 | each finger; below 0 they squeeze | -0.01 | 0.04 | m |
 
     ## Observation space
 
@@ -115,13 +118,8 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
                 f"expected render_mode to be one of {self.metadata['render_modes']} or None, "
                 f"got {render_mode!r}"
             )
-        if not (0 < width <= MAX_PICTURE[0] and 0 < height <= MAX_PICTURE[1]):
-            raise LQDError(
-                f"expected pictures of at most {MAX_PICTURE[0]} x {MAX_PICTURE[1]} pixels, got "
-                f"{width} x {height}"
-            )
         self.render_mode = render_mode
-        self._size = (width, height)
+        self._size = checked_size(width, height)
         self._scene = load_scene(get_task(task))
         self._reward = get_reward(reward)
         self._layout = Observation.of(self._scene)
@@ -154,16 +152,15 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             ResetError: An option is unknown, or the arm cannot start there.
         """
         super().reset(seed=seed)
-        arm = self._checked_start(options or {})
+        options = options or {}
+        require_known_options(options, known=("arm",))
+        arm = checked_arm(options.get("arm", HOME), scene=self._scene)
         self._start_sensordata = None
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._scene.start_qpos(arm)
         mujoco.mj_forward(self.model, self.data)
         if self._scene.sensors.robot_touches(self.data.sensordata):
-            raise ResetError(
-                "expected a start at which the robot touches nothing, got an arm configuration "
-                "with the robot inside the table or the object: start further away"
-            )
+            raise overlap_error()
         self._start_sensordata = self.data.sensordata.copy()
         if self.render_mode == "human":
             self.render()
@@ -187,7 +184,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         """
         if self._start_sensordata is None:
             raise LQDError("expected reset() before the first step(): call env.reset() once")
-        self.data.ctrl[:] = self._scene.action_map.controls(_checked_action(action))
+        self.data.ctrl[:] = self._scene.action_map.controls(checked_action(action))
         mujoco.mj_step(self.model, self.data, nstep=self._scene.substeps)
         # Sensors describe the state before the last substep; this makes them current, and the
         # next step goes on from it without computing anything twice.
@@ -229,6 +226,10 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             self._window.close()
             self._window = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        # An OpenGL context and a window belong to their process; a copy opens its own.
+        return {**vars(self), "_renderer": None, "_window": None}
+
     def _observe(
         self, start: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], Columns, dict[str, Any]]:
@@ -245,40 +246,3 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         info: dict[str, Any] = dict(columns.infos(0)[-1])
         info["is_success"] = bool(self._scene.task.success(columns)[0])
         return observation, columns, info
-
-    def _checked_start(self, options: dict[str, Any]) -> NDArray[np.float64]:
-        unknown = sorted(map(repr, set(options) - {"arm"}))
-        if unknown:
-            raise ResetError(f"expected the option 'arm' at most, got {', '.join(unknown)}")
-        arm = _numbers(options.get("arm", HOME))
-        if arm.shape != (len(ARM_JOINTS),) or not np.isfinite(arm).all():
-            raise ResetError(
-                f"expected the option 'arm' to be {len(ARM_JOINTS)} finite joint positions in "
-                f"rad, got {options['arm']!r}"
-            )
-        limits = np.array([self.model.joint(name).range for name in ARM_JOINTS])
-        outside = np.flatnonzero((arm < limits[:, 0]) | (arm > limits[:, 1]))
-        if len(outside):
-            joint = outside[0]
-            raise ResetError(
-                f"expected arm joint {joint + 1} within [{limits[joint, 0]:.4f}, "
-                f"{limits[joint, 1]:.4f}] rad, got {arm[joint]:.4f}"
-            )
-        return arm
-
-
-def _checked_action(action: ArrayLike) -> NDArray[np.float64]:
-    checked = _numbers(action)
-    if checked.shape != (ACTION_DIM,) or not np.isfinite(checked).all():
-        raise LQDError(
-            f"expected an action of {ACTION_DIM} finite numbers in [-1, 1], got {action!r}"
-        )
-    return checked
-
-
-def _numbers(value: object) -> NDArray[np.float64]:
-    """Return the value as an array, or an array of no shape that fits where it is none."""
-    try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        return np.empty(0)

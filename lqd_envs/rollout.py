@@ -1,5 +1,6 @@
 """Simulating a batch of motions, with no Python in the physics loop."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import mujoco
@@ -18,6 +19,10 @@ from lqd_envs.verdict import DEEPEST_CONTACT, FASTEST_OBJECT, Verdict
 
 # Bounds the memory of the records, which hold every physics step: about 100 kB a motion.
 _CHUNK = 512
+
+
+PrepareBatch = Callable[[Batch, NDArray[np.intp]], None]
+"""Changes simulations before they run: is given a batch at its start, and the rows it holds."""
 
 
 def rollout(task: Task | str, solutions: ArrayLike, *, threads: int = 0) -> Trajectories:
@@ -46,7 +51,12 @@ def rollout(task: Task | str, solutions: ArrayLike, *, threads: int = 0) -> Traj
 
 
 def simulate(
-    scene: Scene, solutions: NDArray[np.float64], plan: MotionPlan, *, threads: int = 0
+    scene: Scene,
+    solutions: NDArray[np.float64],
+    plan: MotionPlan,
+    *,
+    threads: int = 0,
+    prepare: PrepareBatch | None = None,
 ) -> Trajectories:
     """Simulate the motions of a plan that were not rejected.
 
@@ -55,6 +65,7 @@ def simulate(
         solutions: (N, 9) solutions that the plan was made for.
         plan: Their starts and actions.
         threads: Threads to use; 0: one for each CPU.
+        prepare: Changes the simulations, such as where the object stands, before they run.
     """
     verdicts = plan.verdicts.copy()
     rows = np.flatnonzero(verdicts == Verdict.VALID)
@@ -64,7 +75,7 @@ def simulate(
     for chunk in np.split(rows, range(_CHUNK, len(rows), _CHUNK)):
         if len(chunk):
             sensordata[chunk], warned = _simulate_chunk(
-                scene, plan.starts[chunk], plan.actions[chunk], threads=threads
+                scene, plan, chunk, threads=threads, prepare=prepare
             )
             verdicts[chunk[warned]] = Verdict.DIVERGED
     verdicts = _discard(scene, verdicts, sensordata)
@@ -79,18 +90,20 @@ def simulate(
 
 def _simulate_chunk(
     scene: Scene,
-    starts: NDArray[np.float64],
-    actions: NDArray[np.float32],
+    plan: MotionPlan,
+    rows: NDArray[np.intp],
     *,
     threads: int,
+    prepare: PrepareBatch | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return (n, 76, nsensordata) sensor values and (n,) whether the simulation warned."""
-    n = len(starts)
-    batch = Batch(scene.model, n, threads)
+    batch = Batch(scene.model, len(rows), threads)
     # From the model's defaults on: a state that was only overwritten keeps warm-start values.
     batch.reset(stage=int(mujoco.mjtStage.mjSTAGE_NONE))
-    batch.bind("qpos")[:] = scene.start_qpos(starts)
-    controls = np.repeat(scene.action_map.controls(actions), scene.substeps, axis=1)
+    batch.bind("qpos")[:] = scene.start_qpos(plan.starts[rows])
+    if prepare is not None:
+        prepare(batch, rows)
+    controls = np.repeat(scene.action_map.controls(plan.actions[rows]), scene.substeps, axis=1)
     # Sensors describe the state before their step, so the last state needs one step more.
     controls = np.concatenate([controls, controls[:, -1:]], axis=1)
     record = batch.rollout(controls.shape[1], control=controls, record=("sensordata",))

@@ -54,23 +54,24 @@ def _solid(material: str) -> dict[str, object]:
 def _add_body(body: mujoco.MjsBody) -> None:
     half = _PANEL / 2
     top = FRONT_HEIGHT + _FRONT_HALF[1]
+    side = (_HALF_WIDTH - _FRONT_HALF[0]) / 2
     panels = {
         "top": ((0.0, 0.0, (top + _HEIGHT) / 2), (_DEPTH / 2, _HALF_WIDTH, (_HEIGHT - top) / 2)),
         "left": (
-            (0.0, _HALF_WIDTH - (_HALF_WIDTH - _FRONT_HALF[0]) / 2, _HEIGHT / 2),
-            (_DEPTH / 2, (_HALF_WIDTH - _FRONT_HALF[0]) / 2, _HEIGHT / 2),
+            (0.0, _HALF_WIDTH - side, top / 2),
+            (_DEPTH / 2, side, top / 2),
         ),
         "right": (
-            (0.0, -_HALF_WIDTH + (_HALF_WIDTH - _FRONT_HALF[0]) / 2, _HEIGHT / 2),
-            (_DEPTH / 2, (_HALF_WIDTH - _FRONT_HALF[0]) / 2, _HEIGHT / 2),
+            (0.0, -_HALF_WIDTH + side, top / 2),
+            (_DEPTH / 2, side, top / 2),
         ),
         "plinth": (
             (0.0, 0.0, (FRONT_HEIGHT - _FRONT_HALF[1]) / 2),
             (_DEPTH / 2, _FRONT_HALF[0], (FRONT_HEIGHT - _FRONT_HALF[1]) / 2),
         ),
         "back": (
-            (_DEPTH / 2 - half, 0.0, _HEIGHT / 2),
-            (half, _FRONT_HALF[0], _HEIGHT / 2),
+            (_DEPTH / 2 - half, 0.0, FRONT_HEIGHT),
+            (half, *_FRONT_HALF),
         ),
     }
     for position, size in panels.values():

@@ -11,11 +11,11 @@ FAUCET_POSITION = (0.5, 0.0, 0.0)
 """Where the faucet stands, in m, world frame."""
 TAP_RANGE = 2.0 * math.pi / 3.0
 """Angle at which a tap is fully open, in rad."""
-TAP_OFFSET = 0.07
-"""Distance of a tap's axis from the faucet's middle, in m."""
+TAP_OFFSET = 0.051
+"""Distance of a tap's axis from the faucet's middle, in m: the usual 4 inches between two taps."""
 LEVER_LENGTH = 0.07
 """Distance of a lever's tip from its tap's axis, in m."""
-LEVER_HEIGHT = 0.10
+LEVER_HEIGHT = 0.14
 """Height of the levers above the table, in m."""
 
 _FRICTION_TORQUE = 0.1
@@ -52,29 +52,27 @@ def _solid(material: str) -> dict[str, object]:
 
 
 def _add_base(base: mujoco.MjsBody) -> None:
-    bar = LEVER_HEIGHT - 0.04
-    base.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-        fromto=(0.0, -TAP_OFFSET, bar, 0.0, TAP_OFFSET, bar),
-        size=(0.014, 0.0, 0.0),
-        **_solid("chrome"),
-    )
-    base.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-        fromto=(0.0, 0.0, 0.01, 0.0, 0.0, 0.15),
-        size=(0.018, 0.0, 0.0),
-        **_solid("chrome"),
-    )
-    base.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-        fromto=(0.0, 0.0, 0.15, -0.10, 0.0, 0.165),
-        size=(0.012, 0.0, 0.0),
-        **_solid("chrome"),
-    )
+    """Add a low bridge, a pillar under each tap, and the spout between them."""
+    spout = LEVER_HEIGHT - 0.02
+    capsules = [
+        ((0.0, -TAP_OFFSET, 0.015), (0.0, TAP_OFFSET, 0.015), 0.014),
+        ((0.0, 0.0, 0.01), (0.0, 0.0, spout), 0.014),
+        ((0.0, 0.0, spout), (-0.08, 0.0, spout), 0.011),
+    ]
+    capsules += [
+        ((0.0, y, 0.015), (0.0, y, LEVER_HEIGHT - 0.04), 0.012) for y in (TAP_OFFSET, -TAP_OFFSET)
+    ]
+    for start, end, radius in capsules:
+        base.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            fromto=(*start, *end),
+            size=(radius, 0.0, 0.0),
+            **_solid("chrome"),
+        )
     base.add_geom(
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
         pos=(0.0, 0.0, 0.004),
-        size=(0.035, 0.004, 0.0),
+        size=(0.03, 0.004, 0.0),
         contype=0,
         conaffinity=0,
         group=2,

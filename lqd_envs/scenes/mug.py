@@ -19,18 +19,19 @@ HANDLE_REACH = 0.030
 """Distance from the wall to the far side's middle of the handle, in m."""
 
 _SIDES = 8
+_SEGMENTS = 48
 _BOTTOM = 0.006
 _BUMPER = 0.005
 _HANDLE_RADIUS = 0.005
 _HANDLE_HEIGHTS = (0.016, 0.064)
-_WALL_MASS, _BOTTOM_MASS, _HANDLE_MASS = 0.24, 0.045, 0.005
-_GRIP_TIME, _REST_TIME = 0.01, 0.02
+_WALL_MASS, _BOTTOM_MASS, _HANDLE_MASS = 0.32, 0.06, 0.005
+_GRIP_TIME, _REST_TIME = 0.01, 0.01
 
 
 def build_mug_scene() -> mujoco.MjSpec:
-    """Return the scene: robot, table and a hollow mug of 0.3 kg.
+    """Return the scene: robot, table and a hollow mug of 0.4 kg.
 
-    Its handle points to the robot's right (-y). The walls, the bottom and the handle are what the
+    Its handle points to the robot's left (+y). The walls, the bottom and the handle are what the
     robot touches; the table carries the mug on four small feet, and, when it has toppled, on two
     rings of bumpers and two more on the handle, so that it lies on the table in every pose.
     """
@@ -40,6 +41,7 @@ def build_mug_scene() -> mujoco.MjSpec:
     mug = spec.worldbody.add_body(name="mug", pos=(*MUG_POSITION, 0.0))
     mug.add_freejoint(name="mug")
     _add_walls(mug)
+    _add_shell(spec, mug)
     _add_handle(mug)
     _add_bumpers(mug)
     for name, position in _far_points().items():
@@ -54,10 +56,10 @@ MUG_POINTS = ("mug_handle", "mug_rim_front", "mug_rim_back", "mug_bottom")
 def _far_points() -> dict[str, tuple[float, float, float]]:
     middle = sum(_HANDLE_HEIGHTS) / 2
     points = (
-        (0.0, -(MUG_RADIUS + HANDLE_REACH), middle),
+        (0.0, MUG_RADIUS + HANDLE_REACH, middle),
         (-MUG_RADIUS, 0.0, MUG_HEIGHT),
         (MUG_RADIUS, 0.0, MUG_HEIGHT),
-        (0.0, MUG_RADIUS, 0.0),
+        (0.0, -MUG_RADIUS, 0.0),
     )
     return dict(zip(MUG_POINTS, points, strict=True))
 
@@ -68,7 +70,7 @@ def _graspable(material: str) -> dict[str, object]:
         "contype": 0,
         "conaffinity": ROBOT_BIT,
         "condim": 4,
-        "friction": (1.0, 0.005, 0.0001),
+        "friction": (0.5, 0.005, 0.0001),
         "solref": (_GRIP_TIME, 1.0),
         "group": 2,
     }
@@ -85,7 +87,7 @@ def _add_walls(mug: mujoco.MjsBody) -> None:
             quat=(math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)),
             size=(WALL / 2, half_width, MUG_HEIGHT / 2),
             mass=_WALL_MASS / _SIDES,
-            **_graspable("china"),
+            **_graspable("china") | {"group": 3},
         )
     mug.add_geom(
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -96,9 +98,39 @@ def _add_walls(mug: mujoco.MjsBody) -> None:
     )
 
 
+def _add_shell(spec: mujoco.MjSpec, mug: mujoco.MjsBody) -> None:
+    """Add the round wall that is seen, in place of the eight flat ones that are touched."""
+    outline = ((MUG_RADIUS, 0.0), (MUG_RADIUS, MUG_HEIGHT), (MUG_RADIUS - WALL, MUG_HEIGHT),
+               (MUG_RADIUS - WALL, 0.0))  # fmt: skip
+    vertices, faces = [], []
+    n = len(outline)
+    for i in range(_SEGMENTS):
+        angle = 2.0 * math.pi * i / _SEGMENTS
+        vertices += [(r * math.cos(angle), r * math.sin(angle), z) for r, z in outline]
+        for j in range(n):
+            here, above = i * n + j, i * n + (j + 1) % n
+            beside = (i + 1) % _SEGMENTS * n
+            faces += [(here, beside + j, above), (above, beside + j, beside + (j + 1) % n)]
+    spec.add_mesh(
+        name="mug_shell",
+        uservert=[number for vertex in vertices for number in vertex],
+        userface=[index for face in faces for index in face],
+        smoothnormal=False,
+    )
+    mug.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname="mug_shell",
+        material="china",
+        contype=0,
+        conaffinity=0,
+        mass=0.0,
+        group=2,
+    )
+
+
 def _add_handle(mug: mujoco.MjsBody) -> None:
     low, high = _HANDLE_HEIGHTS
-    near, far = -(MUG_RADIUS - WALL / 2), -(MUG_RADIUS + HANDLE_REACH - _HANDLE_RADIUS)
+    near, far = MUG_RADIUS - WALL / 2, MUG_RADIUS + HANDLE_REACH - _HANDLE_RADIUS
     for start, end in (
         ((0.0, near, low), (0.0, far, low)),
         ((0.0, far, low), (0.0, far, high)),
@@ -124,7 +156,7 @@ def _add_bumpers(mug: mujoco.MjsBody) -> None:
         (radius * math.cos(2 * math.pi * turn), radius * math.sin(2 * math.pi * turn), height)
         for radius, turn, height in (*feet, *low_ring, *rim)
     ]
-    far = -(MUG_RADIUS + HANDLE_REACH - _BUMPER)
+    far = MUG_RADIUS + HANDLE_REACH - _BUMPER
     positions += [(0.0, far, height) for height in _HANDLE_HEIGHTS]
     for position in positions:
         mug.add_geom(
@@ -134,7 +166,7 @@ def _add_bumpers(mug: mujoco.MjsBody) -> None:
             contype=OBJECT_BIT,
             conaffinity=0,
             condim=4,
-            friction=(0.5, 0.005, 0.0001),
+            friction=(0.2, 0.005, 0.0001),
             solref=(_REST_TIME, 1.0),
             mass=0.0,
             group=3,

@@ -16,7 +16,7 @@ GRIPPER_SITE = "gripper_center"
 
 FINGER_OPEN = 0.04
 """Travel of one finger when the gripper is fully open, in m."""
-FINGER_SQUEEZE = -0.02
+FINGER_SQUEEZE = -0.01
 """Lowest finger target, in m: below 0 the fingers press on each other, or on what is between."""
 
 HOME = (0.0, -0.3, 0.0, -2.2, 0.0, 0.33, 0.0)
@@ -25,7 +25,7 @@ HOME = (0.0, -0.3, 0.0, -2.2, 0.0, 0.33, 0.0)
 ROBOT_BIT = 1
 """Collision bit of the robot: an object or table that it can touch has it in `conaffinity`."""
 
-# Finger drive: stiff and light enough to close from 40 mm in 0.3 s and to hold with about 20 N. The
+# Finger drive: stiff and light enough to close from 40 mm in 0.3 s and to hold a thin wall with about 12 N. The
 # asset's own values (armature 5, damping 100) are tuned for the kitchen and take over a second.
 _FINGER_ARMATURE = 0.1
 _FINGER_DAMPING = 20.0
@@ -168,7 +168,7 @@ def _add_finger(
         contype=ROBOT_BIT,
         conaffinity=0,
         condim=4,
-        friction=(1.0, 0.005, 0.0001),
+        friction=(0.5, 0.005, 0.0001),
         solref=(_CONTACT_TIME, 1.0),
         group=3,
         mass=0.0,

@@ -81,6 +81,8 @@ def _add_table(spec: mujoco.MjSpec) -> None:
         size=(*_TABLE_HALF_SIZE, 0.1),
         contype=0,
         conaffinity=ROBOT_BIT | OBJECT_BIT,
+        # Of two surfaces the higher friction counts, so that what lies on the table decides.
+        friction=(0.2, 0.005, 0.0001),
         group=3,
     )
     visual = {"contype": 0, "conaffinity": 0, "group": 1}
@@ -116,8 +118,8 @@ def _add_table(spec: mujoco.MjSpec) -> None:
 
 def _add_lights_and_camera(spec: mujoco.MjSpec) -> None:
     spec.worldbody.add_light(
-        pos=(0.2, 1.2, 2.2),
-        dir=(0.1, -0.5, -1.0),
+        pos=(0.6, 1.0, 2.2),
+        dir=(-0.1, -0.45, -1.0),
         diffuse=(0.5, 0.5, 0.5),
         specular=(0.2, 0.2, 0.2),
         castshadow=True,
@@ -132,8 +134,8 @@ def _add_lights_and_camera(spec: mujoco.MjSpec) -> None:
     spec.visual.global_.offheight = MAX_PICTURE[1]
     spec.worldbody.add_camera(
         name=CAMERA,
-        pos=(1.2, -0.78, 0.72),
-        xyaxes=(0.6981, 0.7160, -0.0000, -0.3021, 0.2946, 0.9066),
+        pos=(0.00, 0.96, 0.62),
+        xyaxes=(-0.9088, -0.4173, 0.0000, 0.1514, -0.3298, 0.9318),
         fovy=45.0,
     )
     spec.stat.center = (0.4, 0.0, 0.2)
