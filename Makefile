@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 PACKAGES := lqd_envs lqd_search llm
-FOLDERS := $(PACKAGES) benchmarks tests
+FOLDERS := $(PACKAGES) benchmarks examples tests
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 

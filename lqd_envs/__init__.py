@@ -8,14 +8,16 @@ from lqd_envs.rendering_backend import choose_headless_backend
 
 choose_headless_backend()
 
-from lqd_envs.env import ManipulationEnv, ResetError  # noqa: E402
+from lqd_envs.env import ManipulationEnv  # noqa: E402
 from lqd_envs.errors import LQDError  # noqa: E402
+from lqd_envs.inputs import ResetError  # noqa: E402
 from lqd_envs.motion import MotionPlan, plan_motions  # noqa: E402
 from lqd_envs.perception import (  # noqa: E402
     Columns,
     FitnessFunction,
     Info,
     Infos,
+    ObjectJoint,
     PerceptionSchema,
     QuantityFunction,
     SuccessFunction,
@@ -34,6 +36,7 @@ from lqd_envs.tasks.registry import (  # noqa: E402
 )
 from lqd_envs.tasks.task import GroundTruth, Task  # noqa: E402
 from lqd_envs.trajectories import Trajectories  # noqa: E402
+from lqd_envs.vector_env import ManipulationVectorEnv  # noqa: E402
 from lqd_envs.verdict import Verdict  # noqa: E402
 
 for _task in PAPER_TASKS:
@@ -50,7 +53,9 @@ __all__ = [
     "Infos",
     "LQDError",
     "ManipulationEnv",
+    "ManipulationVectorEnv",
     "MotionPlan",
+    "ObjectJoint",
     "PerceptionSchema",
     "QuantityFunction",
     "RenderingError",

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.action import ACTION_DIM, CONTROL_STEP
 from lqd_envs.errors import LQDError
-from lqd_envs.inputs import ResetError as ResetError
 from lqd_envs.inputs import (
     checked_action,
     checked_arm,
@@ -36,8 +35,16 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
     ## Description
 
     The robot's base is at the origin of the world frame, x pointing away from it, y to its left,
-    z up; the table top is the plane z = 0. In `LQD/Faucet-v0` a faucet with a hot and a cold tap
-    stands on the table, and the task is: "Turn on the hot water".
+    z up; the table top is the plane z = 0. On the table is one object, half a metre before the
+    robot:
+
+    * `LQD/Grasp-v0`, a mug: "Grasp the mug". Success: it touches the gripper and not the table.
+    * `LQD/Faucet-v0`, a faucet with a hot and a cold tap: "Turn on the hot water". Success: the
+      hot tap is turned by at least 0.314 rad.
+    * `LQD/Drawer-v0`, a chest with a drawer: "Open the drawer at least 10cm". Success: the drawer
+      is out by at least 0.10 m.
+    * `LQD/Push-v0`, the same mug: "Slide the mug on the table at least 5cm". Success: the mug is
+      on the table, its base at least 0.05 m from where it stood, horizontally.
 
     ## Action space
 

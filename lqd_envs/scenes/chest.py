@@ -2,7 +2,7 @@
 
 import mujoco
 
-from lqd_envs.scenes.panda import ROBOT_BIT
+from lqd_envs.scenes.parts import dry_joint, solid
 from lqd_envs.scenes.workspace import new_workspace
 
 FRONT_X = 0.55
@@ -19,7 +19,7 @@ _PANEL = 0.006
 _FRONT_HALF = (0.12, 0.05)
 _HANDLE_HALF_LENGTH, _HANDLE_RADIUS = 0.05, 0.006
 _FRICTION_FORCE = 1.5
-_CONTACT_TIME = 0.01
+_FRICTION = 0.6
 
 
 def build_chest_scene() -> mujoco.MjSpec:
@@ -36,19 +36,6 @@ def build_chest_scene() -> mujoco.MjSpec:
     _add_body(body)
     _add_drawer(body)
     return spec
-
-
-def _solid(material: str) -> dict[str, object]:
-    return {
-        "type": mujoco.mjtGeom.mjGEOM_BOX,
-        "material": material,
-        "contype": 0,
-        "conaffinity": ROBOT_BIT,
-        "condim": 4,
-        "friction": (0.6, 0.005, 0.0001),
-        "solref": (_CONTACT_TIME, 1.0),
-        "group": 2,
-    }
 
 
 def _add_body(body: mujoco.MjsBody) -> None:
@@ -75,7 +62,12 @@ def _add_body(body: mujoco.MjsBody) -> None:
         ),
     }
     for position, size in panels.values():
-        body.add_geom(pos=position, size=size, **_solid("oak"))
+        body.add_geom(
+            pos=position,
+            size=size,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            **solid("oak", friction=_FRICTION),
+        )
 
 
 def _add_drawer(body: mujoco.MjsBody) -> None:
@@ -84,12 +76,8 @@ def _add_drawer(body: mujoco.MjsBody) -> None:
         name="drawer",
         type=mujoco.mjtJoint.mjJNT_SLIDE,
         axis=(-1.0, 0.0, 0.0),
-        range=(0.0, DRAWER_RANGE),
-        limited=True,
-        frictionloss=_FRICTION_FORCE,
+        **dry_joint(DRAWER_RANGE, friction=_FRICTION_FORCE),
         damping=1.0,
-        solref_limit=(0.01, 1.0),
-        solimp_limit=(0.95, 0.999, 0.001, 0.5, 2.0),
     )
     depth = _DEPTH - 0.02
     width, height = _FRONT_HALF[0] - 0.002, _FRONT_HALF[1] - 0.002
@@ -102,8 +90,13 @@ def _add_drawer(body: mujoco.MjsBody) -> None:
         ((depth - half, 0.0, -0.01), (half, width, height - 0.01), 0.1),
     ]
     for position, size, mass in boxes:
-        drawer.add_geom(pos=position, size=size, mass=mass, **_solid("front"))
-    capsule = _solid("brass") | {"type": mujoco.mjtGeom.mjGEOM_CAPSULE}
+        drawer.add_geom(
+            pos=position,
+            size=size,
+            mass=mass,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            **solid("front", friction=_FRICTION),
+        )
     ends = (-_HANDLE_HALF_LENGTH, _HANDLE_HALF_LENGTH)
     bars = [(-HANDLE_GAP, ends[0], -HANDLE_GAP, ends[1])]
     bars += [(0.0, y, -HANDLE_GAP, y) for y in ends]
@@ -112,6 +105,7 @@ def _add_drawer(body: mujoco.MjsBody) -> None:
             fromto=(x0, y0, 0.0, x1, y1, 0.0),
             size=(_HANDLE_RADIUS, 0.0, 0.0),
             mass=0.02,
-            **capsule,
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            **solid("brass", friction=_FRICTION),
         )
     drawer.add_site(name="drawer_handle", pos=(-HANDLE_GAP, 0.0, 0.0), group=4)

@@ -4,7 +4,7 @@ import math
 
 import mujoco
 
-from lqd_envs.scenes.panda import ROBOT_BIT
+from lqd_envs.scenes.parts import dry_joint, solid
 from lqd_envs.scenes.workspace import new_workspace
 
 FAUCET_POSITION = (0.5, 0.0, 0.0)
@@ -19,7 +19,7 @@ LEVER_HEIGHT = 0.14
 """Height of the levers above the table, in m."""
 
 _FRICTION_TORQUE = 0.1
-_CONTACT_TIME = 0.01
+_FRICTION = 0.8
 
 
 def build_faucet_scene() -> mujoco.MjSpec:
@@ -39,18 +39,6 @@ def build_faucet_scene() -> mujoco.MjSpec:
     return spec
 
 
-def _solid(material: str) -> dict[str, object]:
-    return {
-        "material": material,
-        "contype": 0,
-        "conaffinity": ROBOT_BIT,
-        "condim": 4,
-        "friction": (0.8, 0.005, 0.0001),
-        "solref": (_CONTACT_TIME, 1.0),
-        "group": 2,
-    }
-
-
 def _add_base(base: mujoco.MjsBody) -> None:
     """Add a low bridge, a pillar under each tap, and the spout between them."""
     spout = LEVER_HEIGHT - 0.02
@@ -67,7 +55,7 @@ def _add_base(base: mujoco.MjsBody) -> None:
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             fromto=(*start, *end),
             size=(radius, 0.0, 0.0),
-            **_solid("chrome"),
+            **solid("chrome", friction=_FRICTION),
         )
     base.add_geom(
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -86,12 +74,7 @@ def _add_tap(base: mujoco.MjsBody, *, name: str, side: float, material: str) -> 
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
         axis=(0.0, 0.0, side),
-        range=(0.0, TAP_RANGE),
-        limited=True,
-        # A hard stop: with MuJoCo's default the arm pushes a tap 10 degrees past its end.
-        solref_limit=(0.01, 1.0),
-        solimp_limit=(0.95, 0.999, 0.001, 0.5, 2.0),
-        frictionloss=_FRICTION_TORQUE,
+        **dry_joint(TAP_RANGE, friction=_FRICTION_TORQUE),
         damping=0.01,
         armature=0.0005,
     )
@@ -100,13 +83,13 @@ def _add_tap(base: mujoco.MjsBody, *, name: str, side: float, material: str) -> 
         fromto=(0.0, 0.0, LEVER_HEIGHT - 0.03, 0.0, 0.0, LEVER_HEIGHT),
         size=(0.014, 0.0, 0.0),
         mass=0.05,
-        **_solid(material),
+        **solid(material, friction=_FRICTION),
     )
     tap.add_geom(
         type=mujoco.mjtGeom.mjGEOM_CAPSULE,
         fromto=(0.0, 0.0, LEVER_HEIGHT, 0.0, side * (LEVER_LENGTH - 0.008), LEVER_HEIGHT),
         size=(0.008, 0.0, 0.0),
         mass=0.05,
-        **_solid(material),
+        **solid(material, friction=_FRICTION),
     )
     tap.add_site(name=f"{name}_tip", pos=(0.0, side * LEVER_LENGTH, LEVER_HEIGHT), group=4)

@@ -4,7 +4,7 @@ import math
 
 import mujoco
 
-from lqd_envs.scenes.panda import ROBOT_BIT
+from lqd_envs.scenes.parts import solid
 from lqd_envs.scenes.workspace import OBJECT_BIT, new_workspace
 
 MUG_POSITION = (0.5, 0.0)
@@ -25,7 +25,8 @@ _BUMPER = 0.005
 _HANDLE_RADIUS = 0.005
 _HANDLE_HEIGHTS = (0.016, 0.064)
 _WALL_MASS, _BOTTOM_MASS, _HANDLE_MASS = 0.32, 0.06, 0.005
-_GRIP_TIME, _REST_TIME = 0.01, 0.01
+_REST_TIME = 0.01
+_FRICTION, _TABLE_FRICTION = 0.5, 0.2
 
 
 def build_mug_scene() -> mujoco.MjSpec:
@@ -64,18 +65,6 @@ def _far_points() -> dict[str, tuple[float, float, float]]:
     return dict(zip(MUG_POINTS, points, strict=True))
 
 
-def _graspable(material: str) -> dict[str, object]:
-    return {
-        "material": material,
-        "contype": 0,
-        "conaffinity": ROBOT_BIT,
-        "condim": 4,
-        "friction": (0.5, 0.005, 0.0001),
-        "solref": (_GRIP_TIME, 1.0),
-        "group": 2,
-    }
-
-
 def _add_walls(mug: mujoco.MjsBody) -> None:
     middle = MUG_RADIUS - WALL / 2
     half_width = MUG_RADIUS * math.tan(math.pi / _SIDES)
@@ -87,14 +76,14 @@ def _add_walls(mug: mujoco.MjsBody) -> None:
             quat=(math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)),
             size=(WALL / 2, half_width, MUG_HEIGHT / 2),
             mass=_WALL_MASS / _SIDES,
-            **_graspable("china") | {"group": 3},
+            **solid("china", friction=_FRICTION) | {"group": 3},
         )
     mug.add_geom(
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
         pos=(0.0, 0.0, _BOTTOM / 2),
         size=(MUG_RADIUS - WALL, _BOTTOM / 2, 0.0),
         mass=_BOTTOM_MASS,
-        **_graspable("glaze"),
+        **solid("glaze", friction=_FRICTION),
     )
 
 
@@ -141,17 +130,18 @@ def _add_handle(mug: mujoco.MjsBody) -> None:
             fromto=(*start, *end),
             size=(_HANDLE_RADIUS, 0.0, 0.0),
             mass=_HANDLE_MASS,
-            **_graspable("glaze"),
+            **solid("glaze", friction=_FRICTION),
         )
 
 
 def _add_bumpers(mug: mujoco.MjsBody) -> None:
     foot_radius = MUG_RADIUS - 0.010
-    ring_radius = MUG_RADIUS - _BUMPER
+    # At the edges between the flat walls, which stand out furthest when the mug lies.
+    ring_radius = MUG_RADIUS / math.cos(math.pi / _SIDES) - _BUMPER
     feet = [(foot_radius, (i + 0.5) / 4, _BUMPER) for i in range(4)]
     # Above the feet's level, so that a standing mug rests on four contacts alone.
-    low_ring = [(ring_radius, i / _SIDES, _BUMPER + 0.002) for i in range(_SIDES)]
-    rim = [(ring_radius, i / _SIDES, MUG_HEIGHT - _BUMPER) for i in range(_SIDES)]
+    low_ring = [(ring_radius, (i + 0.5) / _SIDES, _BUMPER + 0.002) for i in range(_SIDES)]
+    rim = [(ring_radius, (i + 0.5) / _SIDES, MUG_HEIGHT - _BUMPER) for i in range(_SIDES)]
     positions = [
         (radius * math.cos(2 * math.pi * turn), radius * math.sin(2 * math.pi * turn), height)
         for radius, turn, height in (*feet, *low_ring, *rim)
@@ -166,7 +156,7 @@ def _add_bumpers(mug: mujoco.MjsBody) -> None:
             contype=OBJECT_BIT,
             conaffinity=0,
             condim=4,
-            friction=(0.2, 0.005, 0.0001),
+            friction=(_TABLE_FRICTION, 0.005, 0.0001),
             solref=(_REST_TIME, 1.0),
             mass=0.0,
             group=3,

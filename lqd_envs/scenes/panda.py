@@ -25,8 +25,9 @@ HOME = (0.0, -0.3, 0.0, -2.2, 0.0, 0.33, 0.0)
 ROBOT_BIT = 1
 """Collision bit of the robot: an object or table that it can touch has it in `conaffinity`."""
 
-# Finger drive: stiff and light enough to close from 40 mm in 0.3 s and to hold a thin wall with about 12 N. The
-# asset's own values (armature 5, damping 100) are tuned for the kitchen and take over a second.
+# Finger drive: stiff and light enough to close from 40 mm in 0.3 s and to hold a thin wall with
+# about 12 N. The asset's own values (armature 5, damping 100) are tuned for the kitchen and take
+# over a second.
 _FINGER_ARMATURE = 0.1
 _FINGER_DAMPING = 20.0
 _FINGER_GAIN = 1000.0

@@ -1,4 +1,4 @@
-"""The faucet's scene, one batch of random motions, and contacts read without any sensor."""
+"""The faucet's scene, random motions of every task, and contacts read without any sensor."""
 
 # Before anything imports mujoco, which chooses its OpenGL backend once and for all.
 from lqd_envs import SolutionSpace, Task, Trajectories, get_task, rollout
@@ -6,6 +6,7 @@ from lqd_envs import SolutionSpace, Task, Trajectories, get_task, rollout
 # isort: split
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -39,6 +40,7 @@ class RobotContact:
 
 ContactReader = Callable[[mujoco.MjData], list[RobotContact]]
 StateMaker = Callable[[ArrayLike], mujoco.MjData]
+MotionsOf = Callable[[str], Trajectories]
 
 
 @pytest.fixture(scope="session")
@@ -65,6 +67,12 @@ def solutions(space: SolutionSpace) -> NDArray[np.float64]:
 @pytest.fixture(scope="session")
 def trajectories(faucet: Task, solutions: NDArray[np.float64]) -> Trajectories:
     return rollout(faucet, solutions)
+
+
+@pytest.fixture(scope="session")
+def motions_of(solutions: NDArray[np.float64]) -> MotionsOf:
+    """A function that gives the same uniform random solutions' motions in any task."""
+    return cache(lambda task_id: rollout(task_id, solutions))
 
 
 @pytest.fixture(scope="session")

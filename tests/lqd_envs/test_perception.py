@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from lqd_envs import Columns, PerceptionSchema
+from lqd_envs import PAPER_TASKS, Columns, PerceptionSchema
 from lqd_envs.perception import ObjectJoint
 
 RECORDINGS = Path(__file__).parents[2] / "llm" / "recordings"
@@ -47,8 +47,9 @@ def test_text_is_what_the_language_model_was_shown(task, sample):
     assert before.endswith("\n")
 
 
-def test_faucet_has_the_schema_of_the_recordings(faucet):
-    assert faucet.schema == SCHEMAS["faucet"]
+@pytest.mark.parametrize("task", PAPER_TASKS, ids=lambda task: task.name)
+def test_task_has_the_schema_of_its_recordings(task):
+    assert task.schema == SCHEMAS[task.name]
 
 
 @pytest.mark.parametrize("schema", SCHEMAS.values(), ids=SCHEMAS)

@@ -1,8 +1,19 @@
+from dataclasses import replace
+
 import gymnasium as gym
 import pytest
 
-from lqd_envs import TASKS, LQDError, UnknownTaskError, get_task, register_envs
+from lqd_envs import (
+    PAPER_TASKS,
+    TASKS,
+    DuplicateTaskError,
+    LQDError,
+    UnknownTaskError,
+    get_task,
+    register_task,
+)
 from lqd_envs.env import MAX_EPISODE_STEPS
+from lqd_envs.tasks import registry
 
 
 @pytest.mark.parametrize("task_id", TASKS)
@@ -11,8 +22,20 @@ def test_task_is_found_by_its_id(task_id):
     assert get_task(task_id).id == task_id
 
 
-def test_faucet_is_registered():
-    assert "LQD/Faucet-v0" in TASKS
+def test_paper_s_four_tasks_are_registered_in_its_order():
+    assert [task.id for task in PAPER_TASKS] == [
+        "LQD/Grasp-v0",
+        "LQD/Faucet-v0",
+        "LQD/Drawer-v0",
+        "LQD/Push-v0",
+    ]
+    assert all(TASKS[task.id] is task for task in PAPER_TASKS)
+
+
+def test_gymnasium_and_the_task_table_know_the_same_ids():
+    assert {task_id for task_id in gym.registry if task_id.startswith("LQD/")} == {
+        task_id for task_id in TASKS if task_id.startswith("LQD/")
+    }
 
 
 def test_registry_cannot_be_written(faucet):
@@ -40,9 +63,45 @@ def test_every_task_is_a_gymnasium_env(task_id):
     assert spec.kwargs == {"task": task_id}
 
 
-def test_registering_again_changes_nothing():
-    before = dict(gym.registry)
+@pytest.mark.parametrize("task_id", TASKS)
+def test_registering_again_changes_nothing(task_id):
+    before = dict(gym.registry), dict(TASKS)
 
-    register_envs()
+    register_task(TASKS[task_id])
 
-    assert dict(gym.registry) == before
+    assert (dict(gym.registry), dict(TASKS)) == before
+
+
+def test_second_task_of_the_same_id_is_refused(faucet):
+    before = dict(gym.registry), dict(TASKS)
+
+    with pytest.raises(DuplicateTaskError) as caught:
+        register_task(replace(faucet, instruction="Turn on the cold water"))
+
+    assert str(caught.value) == (
+        "expected an id that is still free, got 'LQD/Faucet-v0', which another task has: give "
+        "yours a name or version of its own"
+    )
+    assert isinstance(caught.value, LQDError)
+    assert isinstance(caught.value, ValueError)
+    assert (dict(gym.registry), dict(TASKS)) == before
+
+
+@pytest.fixture
+def spare_id():
+    """An id that is free, and is so again afterwards."""
+    task_id = "Tests/Spare-v0"
+    yield task_id
+    gym.registry.pop(task_id, None)
+    # The public view cannot be written.
+    registry._TASKS.pop(task_id, None)
+
+
+def test_task_of_one_s_own_is_found_by_its_id_everywhere(faucet, spare_id):
+    mine = replace(faucet, id=spare_id, instruction="Turn on the water")
+
+    register_task(mine)
+
+    assert get_task(spare_id) is mine
+    assert gym.make(spare_id).get_wrapper_attr("observation_names")
+    assert gym.make_vec(spare_id, num_envs=2).num_envs == 2

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from lqd_envs import rollout
+from lqd_envs import get_task, rollout
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.faucet import TAP_RANGE, build_faucet_scene
 from lqd_envs.scenes.panda import ARM_JOINTS, FINGER_JOINTS, HOME
@@ -90,6 +90,23 @@ def test_start_qpos_takes_any_number_of_arms(scene):
     assert qpos.shape == (2, 3, scene.model.nq)
     assert np.array_equal(qpos[..., scene.arm_qpos], arms)
     assert np.array_equal(qpos[1, 2], scene.start_qpos(arms[1, 2]))
+
+
+def test_fixed_objects_rest_where_they_were_built(scene):
+    assert np.array_equal(scene.rest, scene.model.qpos0)
+
+
+@pytest.mark.parametrize("task_id", ["LQD/Grasp-v0", "LQD/Push-v0"])
+def test_free_object_rests_as_far_down_as_its_weight_presses_it(task_id):
+    mug = load_scene(get_task(task_id))
+    place = mug.model.joint("mug").qposadr[0]
+    sunk = mug.rest - mug.model.qpos0
+
+    assert np.flatnonzero(sunk).tolist() == [place + 2]
+    assert -2e-4 < sunk[place + 2] < 0.0
+    assert mug.start_qpos(np.zeros((5, 7)))[:, place : place + 7].tolist() == (
+        [mug.rest[place : place + 7].tolist()] * 5
+    )
 
 
 def test_nothing_is_in_contact_at_the_start(home):
