@@ -26,13 +26,12 @@ def count_verdicts(task: Task, *, solutions: int, seed: int) -> tuple[Counter[Ve
     rng = np.random.default_rng(seed)
     verdicts: Counter[Verdict] = Counter()
     successes = 0
-    left = solutions
-    while left:
-        batch = SolutionSpace().sample(min(left, _BATCH), rng=rng)
+    # Drawn at once, so that every command speaks of the same solutions for the same seed.
+    drawn = SolutionSpace().sample(solutions, rng=rng)
+    for batch in np.split(drawn, range(_BATCH, solutions, _BATCH)):
         trajectories: Trajectories = rollout(task, batch)
         verdicts.update(Verdict(int(verdict)) for verdict in trajectories.verdicts)
         successes += int(trajectories.success().sum())
-        left -= len(batch)
     return verdicts, successes
 
 

@@ -1,6 +1,7 @@
 """Pictures of a simulation: arrays without a display, a window with one."""
 
 import os
+import time
 import warnings
 from typing import Any
 
@@ -8,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from lqd_envs.action import CONTROL_STEP
 from lqd_envs.errors import LQDError
 from lqd_envs.rendering_backend import DISPLAY_VARIABLES, has_display
 from lqd_envs.scenes.workspace import CAMERA
@@ -78,10 +80,14 @@ class WindowRenderer:
         self._viewer: Any = mujoco.viewer.launch_passive(
             model, data, show_left_ui=False, show_right_ui=False
         )
+        self._next_frame = time.monotonic()
 
     def render(self) -> None:
-        """Show the simulation as it is now."""
+        """Show the simulation as it is now, no faster than it would happen."""
         self._viewer.sync()
+        now = time.monotonic()
+        self._next_frame = max(self._next_frame + CONTROL_STEP, now)
+        time.sleep(self._next_frame - now)
 
     def close(self) -> None:
         """Close the window."""

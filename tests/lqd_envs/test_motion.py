@@ -168,7 +168,7 @@ def test_start_poses_are_the_documented_ones(faucet):
 
     positions, rotations = start_poses(faucet, solution)
 
-    assert positions[0] == pytest.approx([0.55, -0.1, 0.125])
+    assert positions[0] == pytest.approx([0.55, -0.1, 0.165])
     x, y, z = (Rotation.from_rotvec(np.eye(3)[k] * solution[0, 3 + k]) for k in range(3))
     assert rotations[0].as_matrix() == pytest.approx((z * y * x).as_matrix())
 

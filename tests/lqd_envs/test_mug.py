@@ -7,9 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lqd_envs import get_task
+from lqd_envs.kinematics import ArmKinematics
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.mug import MUG_HEIGHT, MUG_POINTS, MUG_RADIUS
-from lqd_envs.scenes.panda import FINGER_OPEN, HOME
+from lqd_envs.scenes.panda import FINGER_OPEN, FINGER_SQUEEZE, GRIPPER_SITE, HOME
 
 DROP = 0.002
 """Height, in m, from which the mug falls."""
@@ -173,3 +174,51 @@ def test_mug_upside_down_stands_on_its_rim(scene, mug_geoms, yaw):
 @pytest.mark.parametrize("seed", range(20))
 def test_mug_that_fell_anyhow_lies_on_the_table(scene, mug_geoms, seed):
     assert_lies_on_the_table(scene, mug_geoms, Rotation.random(rng=np.random.default_rng(seed)))
+
+
+GRASPS = {
+    "body": ((0.5, 0.0, 0.05), (0.0, 0.0, math.pi / 2)),
+    "rim": ((0.4665, 0.0, 0.072), (0.0, 0.0, math.pi / 2)),
+    "handle": ((0.5, 0.0605, 0.05), (0.0, 0.0, 0.0)),
+}
+
+
+@pytest.mark.parametrize("grasp", GRASPS)
+def test_scripted_grasp_holds(grasp):
+    scene = load_scene(get_task("LQD/Grasp-v0"))
+    model, data = scene.model, mujoco.MjData(scene.model)
+    position, angles = GRASPS[grasp]
+    kinematics = ArmKinematics(threads=1)
+    arm, reached = kinematics.reach(
+        np.array([position]), Rotation.from_euler("xyz", np.array([angles]))
+    )
+    assert reached[0]
+    data.qpos[:] = scene.start_qpos(arm[0])
+    data.ctrl[:7], data.ctrl[7:] = arm[0], FINGER_OPEN
+    mujoco.mj_forward(model, data)
+    assert not scene.sensors.robot_touches(data.sensordata)
+
+    for target in np.linspace(FINGER_OPEN, FINGER_SQUEEZE, 20):
+        data.ctrl[7:] = target
+        mujoco.mj_step(model, data, nstep=scene.substeps)
+    lift = np.linspace(0.0, 0.1, 50)[None, :, None] * np.array([0.0, 0.0, 1.0])
+    for configuration in kinematics.follow(arm, lift)[0]:
+        data.ctrl[:7] = configuration
+        mujoco.mj_step(model, data, nstep=scene.substeps)
+    mujoco.mj_step(model, data, nstep=25 * scene.substeps)
+    before = mug_in_gripper(model, data)
+    mujoco.mj_step(model, data, nstep=100 * scene.substeps)
+    after_two_seconds = mug_in_gripper(model, data)
+    mujoco.mj_step(model, data, nstep=150 * scene.substeps)
+
+    assert np.linalg.norm(after_two_seconds - before) < 1e-3
+    end = scene.sensors.columns(data.sensordata[None, None])
+    assert end.gripper_contacts[0, 0, 0]
+    assert not end.object_table_contact[0, 0]
+    assert end.object_position[0, 0, 2] > 0.08
+
+
+def mug_in_gripper(model, data):
+    """Return the position of the mug's centre of mass in the gripper's frame."""
+    site = data.site(GRIPPER_SITE)
+    return site.xmat.reshape(3, 3).T @ (data.xipos[model.body("mug").id] - site.xpos)

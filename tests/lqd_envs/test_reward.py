@@ -16,7 +16,7 @@ MUG_AT = (0.5, 0.0, 0.0)
 # Where the gripper should come to at the start, by the tasks' pages.
 TARGETS = {
     GRASP: (0.5, 0.0, 0.04),
-    FAUCET: (0.5, 0.105, 0.10),
+    FAUCET: (0.5, 0.086, 0.14),
     DRAWER: (0.505, 0.0, 0.11),
     PUSH: (0.5, 0.0, 0.04),
 }

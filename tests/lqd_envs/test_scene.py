@@ -59,13 +59,13 @@ def test_range_of_the_taps(scene, tap):
 @pytest.mark.parametrize(("tap", "side"), [("hot_tap", 1.0), ("cold_tap", -1.0)])
 def test_closed_lever_points_outwards_and_opens_towards_the_robot(scene, home, tap, side):
     axis, tip = home.body(tap).xpos.copy(), home.site(f"{tap}_tip").xpos.copy()
-    assert axis == pytest.approx((0.5, 0.07 * side, 0.0))
-    assert tip - axis == pytest.approx((0.0, 0.07 * side, 0.10))
+    assert axis == pytest.approx((0.5, 0.051 * side, 0.0))
+    assert tip - axis == pytest.approx((0.0, 0.07 * side, 0.14))
 
     home.joint(tap).qpos[0] = math.pi / 2
     mujoco.mj_forward(scene.model, home)
 
-    assert home.site(f"{tap}_tip").xpos - axis == pytest.approx((-0.07, 0.0, 0.10))
+    assert home.site(f"{tap}_tip").xpos - axis == pytest.approx((-0.07, 0.0, 0.14))
 
 
 def test_task_s_centre_is_between_the_handles(faucet, home):
@@ -167,7 +167,7 @@ def test_stops_of_a_tap_are_hard(scene, home, tap, torque, end):
 
 
 def test_arm_does_not_push_a_tap_past_its_end(faucet):
-    pressed = rollout(faucet, [[0.12, 0.36, 0.01, -0.14, 0.03, 1.55, 0.07, 0.54, 0.01]])
+    pressed = rollout(faucet, [[0.72, -0.76, -0.19, -1.44, -0.34, 0.05, -0.36, -0.1, 0.09]])
 
     angles = pressed.columns.joint_positions[0, :, 0]
     assert pressed.valid.all()
