@@ -149,11 +149,13 @@ def planning_cost(task: Task, *, n: int) -> float:
 def peak_memory() -> float:
     """Return the peak memory of a fresh process that rolls out 2,048 random motions, in GiB."""
     code = (
-        "import resource, numpy, lqd_envs;"
+        "import re, numpy, lqd_envs, pathlib;"
         "space = lqd_envs.SolutionSpace();"
         "solutions = space.sample(2048, rng=numpy.random.default_rng(2));"
         "lqd_envs.rollout('LQD/Faucet-v0', solutions);"
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+        # Not getrusage: what it tells includes the process that this one was forked from.
+        "status = pathlib.Path('/proc/self/status').read_text();"
+        "print(re.search(r'VmHWM:\\s*(\\d+) kB', status)[1])"
     )
     output = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout
     return int(output) / 2**20

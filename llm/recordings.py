@@ -87,7 +87,8 @@ def load_recording(task_name: str, *, sample: int, directory: Path | None = None
         directory: Folder of recordings; by default those that ship with the package.
 
     Raises:
-        RecordingError: There is no such recording, or its file is not of the right form.
+        RecordingError: There is no such recording, or its file cannot be read or is not of the
+            right form.
     """
     folder = _folder(directory)
     samples = _samples(folder)
@@ -95,7 +96,7 @@ def load_recording(task_name: str, *, sample: int, directory: Path | None = None
         raise RecordingError(_missing(task_name, sample=sample, samples=samples))
     file = folder.joinpath(f"{task_name}-{sample}.json")
     try:
-        form = _RecordingForm.model_validate_json(file.read_bytes())
+        form = _RecordingForm.model_validate_json(_content(file))
     except ValidationError as error:
         raise RecordingError(_malformed(file, _first_problem(error))) from error
     if (form.task, form.sample) != (task_name, sample):
@@ -128,6 +129,16 @@ def _samples(folder: Traversable) -> dict[str, tuple[int, ...]]:
     matches = [match for file in folder.iterdir() if (match := _FILE_NAME.fullmatch(file.name))]
     pairs = sorted((match["task"], int(match["sample"])) for match in matches)
     return {task: tuple(number for name, number in pairs if name == task) for task, _ in pairs}
+
+
+def _content(file: Traversable) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise RecordingError(
+            f"The recording {file.name} cannot be read ({error.strerror or error}); restore the "
+            "file."
+        ) from error
 
 
 def _missing(task_name: str, *, sample: int, samples: Mapping[str, tuple[int, ...]]) -> str:

@@ -6,6 +6,15 @@ import sys
 def main() -> None:
     """Run the `lqd` command, or say what it needs."""
     try:
+        _run()
+    except KeyboardInterrupt:
+        # The imports take seconds; once they are done the command says this itself.
+        sys.stderr.write("lqd: stopped\n")
+        sys.exit(130)
+
+
+def _run() -> None:
+    try:
         from lqd_search.cli.main import main as run
     except ModuleNotFoundError as error:
         package = (error.name or "").partition(".")[0]

@@ -65,7 +65,7 @@ def compete_by_coin(rng: np.random.Generator) -> Competition:
 
     Args:
         rng: Tosses one coin per candidate and call, in the candidates' order and whether it is
-            needed or not; `rng.random() < 0.5` lets the newcomer win.
+            needed or not; `rng.random() < 0.5` lets the newcomer win. An archive draws from a copy.
 
     Returns:
         The competition; it can be pickled, together with its generator's state.

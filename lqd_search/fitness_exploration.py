@@ -22,9 +22,10 @@ class LanguageDrivenQD:
 
     One short run per fitness, all from the same random first batch and none touching another. The
     fitness whose archive holds the most distinct successes, by the inferred condition, is kept; a
-    tie goes to the earlier one. Once, the descriptors' ranges are then learned again from
-    everything evaluated so far, and its run goes on in the rebuilt archive until all evaluations
-    are spent. It implements `Method`.
+    tie goes to the earlier one. A run that holds no solution at all, since its fitness never gave
+    a number, is kept only if they all are like that. Once, the descriptors' ranges are then
+    learned again from everything evaluated so far, and its run goes on in the rebuilt archive
+    until all evaluations are spent. It implements `Method`.
 
     Args:
         space: Where solutions come from.
@@ -151,22 +152,14 @@ class LanguageDrivenQD:
         if self._asked is None:
             raise MethodError("Expected a call of ask before tell.")
         solutions, evaluation = self._asked, self._evaluations + np.arange(len(self._asked))
-        if self._evaluations == 0:
-            runs = self._new_runs()
-            for run in runs.values():
-                run.inject(solutions, values, evaluation=evaluation)
-            self._runs = runs
-        else:
+        if self._log is None:
             self._current.tell(solutions, values, evaluation=evaluation)
-        if self._log is not None:
-            valid = values.valid
-            self._log.record(
-                evaluation[valid], {name: m[valid] for name, m in values.measures.items()}
-            )
+        elif self._evaluations + len(solutions) < self.budget.exploration:
+            self._explore(solutions, values, evaluation, self._log)
+        else:
+            self._end_exploration(solutions, values, evaluation, self._log)
         self._asked = None
         self._evaluations += len(solutions)
-        if self._log is not None and self._evaluations >= self.budget.exploration:
-            self._choose(self._log)
 
     @property
     def _current(self) -> MultiBDScheduler:
@@ -174,14 +167,50 @@ class LanguageDrivenQD:
         # After the exploration only the kept run is left.
         return list(self._runs.values())[turn or 0]
 
+    def _explore(
+        self,
+        solutions: NDArray[np.float64],
+        values: Values,
+        evaluation: NDArray[np.int64],
+        log: ObservationLog,
+    ) -> None:
+        if self._evaluations == 0:
+            runs = self._new_runs()
+            for run in runs.values():
+                run.inject(solutions, values, evaluation=evaluation)
+            self._runs = runs
+        else:
+            self._current.tell(solutions, values, evaluation=evaluation)
+        valid = values.valid
+        log.record(evaluation[valid], {name: m[valid] for name, m in values.measures.items()})
+
+    def _end_exploration(
+        self,
+        solutions: NDArray[np.float64],
+        values: Values,
+        evaluation: NDArray[np.int64],
+        log: ObservationLog,
+    ) -> None:
+        # What is told here cannot be taken back out of a run, should the choice fail after it.
+        current = self._current
+        before = copy.deepcopy((current, log))
+        complete = False
+        try:
+            self._explore(solutions, values, evaluation, log)
+            self._choose(log)
+            complete = True
+        finally:
+            if not complete:
+                self._runs[current.fitness], self._log = before
+
     def _choose(self, log: ObservationLog) -> None:
-        self.exploration = {
-            name: run.archive.elites().successes for name, run in self._runs.items()
-        }
-        self.chosen = max(self.exploration, key=self.exploration.__getitem__)
-        run = self._runs[self.chosen]
+        exploration = {name: run.archive.elites().successes for name, run in self._runs.items()}
+        holding = [name for name, run in self._runs.items() if not run.empty]
+        chosen = max(holding or exploration, key=exploration.__getitem__)
+        run = self._runs[chosen]
         run.relearn_ranges(log)
-        self._runs, self._log = {self.chosen: run}, None
+        self.exploration, self.chosen = exploration, chosen
+        self._runs, self._log = {chosen: run}, None
 
     def _new_runs(self) -> dict[str, MultiBDScheduler]:
         return {

@@ -29,7 +29,7 @@ def call_success(success: SuccessFunction, infos: Infos) -> bool:
     """Ask a success function about a motion.
 
     Args:
-        success: The function.
+        success: The function; it is given a list of its own.
         infos: The motion's moments.
 
     Returns:
@@ -38,7 +38,7 @@ def call_success(success: SuccessFunction, infos: Infos) -> bool:
     Raises:
         RefusedValueError: It raised or did not return a bool (Python's or NumPy's).
     """
-    verdict: Any = _call(success, infos)
+    verdict: Any = _call(success, list(infos))
     if not isinstance(verdict, bool | np.bool_):
         raise RefusedValueError(f"returned {_kind_of(verdict)}, not a bool")
     return bool(verdict)
@@ -73,7 +73,7 @@ def call_timestamp(timestamp: TimestampFunction, infos: Infos) -> Info | None:
     """Ask a timestamp function which moment of a motion it picks.
 
     Args:
-        timestamp: The function.
+        timestamp: The function; it is given a list of its own.
         infos: The motion's moments.
 
     Returns:
@@ -82,7 +82,7 @@ def call_timestamp(timestamp: TimestampFunction, infos: Infos) -> Info | None:
     Raises:
         RefusedValueError: It raised or returned anything else.
     """
-    moment = _call(timestamp, infos)
+    moment = _call(timestamp, list(infos))
     if moment is not None and not any(moment is info for info in infos):
         raise RefusedValueError("returned something else than an element of infos or None")
     return moment

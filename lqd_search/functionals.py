@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from lqd_search.functional_calls import (
     call_success,
     call_timestamp,
 )
+from lqd_search.trial import Trial, try_functions
 from lqd_search.values import Refusal, Values
 
 
@@ -34,8 +36,9 @@ class FunctionalError(LQDError):
 class Functionals:
     """The functions a run is steered by.
 
-    They are asked to be pure: all functions of a motion are given the same infos, and one that
-    changed them would corrupt what the next one sees. Nothing here prevents it.
+    They are asked to be pure. Each is given a list of its own, which it may sort or empty, but the
+    moments in it are the same ones for all functions of a motion: one that changed a moment would
+    corrupt what the next one sees. Nothing here prevents that.
 
     Attributes:
         success: Says whether a motion did the task.
@@ -71,24 +74,41 @@ class FunctionalEvaluator:
     """Turns the moments of motions into values, by calling functionals on them.
 
     How many numbers a quantity measures is fixed on the first example that it can measure. One
-    that cannot measure any of them is dropped with its descriptors.
+    that cannot measure any of them is dropped with its descriptors, and so is a fitness that
+    cannot rate any of them.
 
     Args:
         functionals: The functions.
         examples: Moments of the task, at least one.
 
     Attributes:
+        fitness_names: The fitness functions that are left, in order.
         descriptors: For each descriptor of the BD mesh that is left, in order, its number of
             measures.
-        dropped: One sentence for each quantity that was dropped.
+        dropped: One sentence for each fitness and each quantity that was dropped.
 
     Raises:
-        FunctionalError: No quantity is left.
+        FunctionalError: There is no example, or no fitness or no quantity is left.
     """
 
     def __init__(self, functionals: Functionals, *, examples: Sequence[Info]) -> None:
+        if not examples:
+            raise FunctionalError(
+                "Expected at least one example moment of the task, but got none; pass moments of "
+                "valid motions."
+            )
+        rated = try_functions(
+            "fitness", functionals.fitness, call=_call_on_moment, examples=examples
+        )
+        measured = try_functions(
+            "quantity", functionals.quantities, call=call_quantity, examples=examples
+        )
+        _refuse_none("a fitness that gives a finite number", rated)
+        _refuse_none("a quantity that measures 2 to 5 finite numbers", measured)
         self._functionals = functionals
-        self._lengths, self.dropped = _quantity_lengths(functionals.quantities, examples)
+        self._lengths = {name: len(numbers) for name, numbers in measured.results.items()}
+        self.fitness_names = tuple(rated.results)
+        self.dropped = rated.dropped + measured.dropped
         self.descriptors = {
             f"{h}.{g}": self._lengths[g] for h in functionals.timestamps for g in self._lengths
         }
@@ -97,9 +117,9 @@ class FunctionalEvaluator:
         """Judge a batch.
 
         A value that is not what its function was asked for is refused, whether the function
-        raised or returned something else: a refused success counts as a failure and leaves no
-        fitness, so that the motion is never inserted; a refused fitness is NaN; a refused
-        timestamp leaves its descriptors undefined, a refused quantity the one descriptor.
+        raised or returned something else: a refused success counts as a failure, and the
+        motion keeps its fitness and measures; a refused fitness is NaN; a refused timestamp leaves
+        its descriptors undefined, a refused quantity the one descriptor.
 
         Args:
             motions: Index in the batch and moments of every valid motion, each once.
@@ -111,7 +131,7 @@ class FunctionalEvaluator:
         Raises:
             FunctionalError: A valid motion is missing, another one is there, or one has no moments.
         """
-        columns = _Columns.of(len(valid), fitness=self._functionals.fitness, of=self.descriptors)
+        columns = _Columns.of(len(valid), fitness=self.fitness_names, of=self.descriptors)
         refusals = _Refusals()
         judged = np.zeros(len(valid), bool)
         # A value is judged by what it is: NumPy need not warn that a division made it NaN.
@@ -142,14 +162,13 @@ class FunctionalEvaluator:
             columns.success[i] = call_success(self._functionals.success, infos)
         except RefusedValueError as refused:
             refusals.note(i, "success", "success", refused)
-        else:
-            self._rate(i, infos, columns, refusals)
+        self._rate(i, infos, columns, refusals)
         self._measure(i, infos, columns, refusals)
 
     def _rate(self, i: int, infos: Infos, columns: "_Columns", refusals: "_Refusals") -> None:
-        for name, fitness in self._functionals.fitness.items():
+        for name in self.fitness_names:
             try:
-                columns.fitness[name][i] = call_fitness(fitness, infos)
+                columns.fitness[name][i] = call_fitness(self._functionals.fitness[name], infos)
             except RefusedValueError as refused:
                 refusals.note(i, "fitness", name, refused)
 
@@ -184,29 +203,16 @@ class FunctionalEvaluator:
         return numbers
 
 
-def _quantity_lengths(
-    quantities: Mapping[str, QuantityFunction], examples: Sequence[Info]
-) -> tuple[dict[str, int], tuple[str, ...]]:
-    lengths: dict[str, int] = {}
-    dropped = []
-    for name, quantity in quantities.items():
-        for example in examples:
-            try:
-                lengths[name] = len(call_quantity(quantity, example))
-                break
-            except RefusedValueError as refused:
-                reason = str(refused)
-        else:
-            dropped.append(
-                f"The quantity function {name!r} is not used: on all of {len(examples)} example "
-                f"moments it failed, and on the last it {reason}."
-            )
-    if not lengths:
+def _call_on_moment(fitness: FitnessFunction, moment: Info) -> float:
+    return call_fitness(fitness, [moment])
+
+
+def _refuse_none(wanted: str, trial: Trial[Any]) -> None:
+    if not trial.results:
         raise FunctionalError(
-            "Expected a quantity that measures 2 to 5 finite numbers on an example moment, but "
-            f"there is none: {' '.join(dropped)} Correct one, or infer others."
+            f"Expected {wanted} on an example moment, but there is none: "
+            f"{' '.join(trial.dropped)} Correct one, or infer others."
         )
-    return lengths, tuple(dropped)
 
 
 @dataclass(frozen=True, eq=False)

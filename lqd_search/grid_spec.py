@@ -67,17 +67,6 @@ class GridSpec:
         outside: NDArray[np.bool_] = ((values < lower) | (values > upper)).any(axis=1)
         return outside
 
-    def count_clipped(self, values: NDArray[np.float64]) -> int:
-        """Count the rows with a measure out of range.
-
-        Args:
-            values: (n, d) float64, defined measures.
-
-        Returns:
-            The number of rows.
-        """
-        return int(self.out_of_range(values).sum())
-
     def to_dict(self) -> dict[str, Any]:
         """Return the spec as lists and numbers, fit for JSON."""
         return {"dims": list(self.dims), "ranges": [list(bounds) for bounds in self.ranges]}
@@ -87,7 +76,7 @@ class GridSpec:
         """Make the spec that `to_dict` wrote.
 
         Args:
-            data: `{"dims": [...], "ranges": [[lower, upper], ...]}`.
+            data: `{"dims": [...], "ranges": [[lower, upper], ...]}`, of lists or arrays.
 
         Returns:
             The spec.

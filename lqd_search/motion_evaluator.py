@@ -22,7 +22,14 @@ VERDICT = "verdict"
 
 
 def passive_fields(task: Task) -> FieldDesc:
-    """Return the passive columns that are stored with each elite, in pyribs' form."""
+    """Return the passive columns that are stored with each elite, in pyribs' form.
+
+    Pass them as the `passive_fields` of a `LanguageDrivenQD` that is told the values of a
+    `MotionEvaluator`, and the archive will say which of its elites the expert approves.
+
+    Args:
+        task: The task.
+    """
     return {
         EXPERT: ((), np.bool_),
         GROUND_TRUTH: ((len(task.ground_truth.dims),), np.float64),
@@ -35,7 +42,11 @@ class MotionEvaluator:
     """Simulates solutions in a task and judges them by functionals.
 
     The functionals see the motions' infos and nothing else; the expert's verdict and the
-    ground-truth measures are added afterwards, as passive columns that no search reads.
+    ground-truth measures are added afterwards, as passive columns that no search reads. A method is
+    asked for solutions and told their values until it is done:
+
+        while not method.done:
+            method.tell(evaluate(method.ask()))
 
     Attributes:
         task: The task.

@@ -1,5 +1,6 @@
 """The multi-BD archive: one grid per descriptor, all offered the same solutions."""
 
+import copy
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,17 +19,23 @@ from lqd_search.success_grid import SuccessGrid, insert_all
 class MultiBDArchive(ArchiveBase):
     """One grid per descriptor, all offered the same solutions, in which success comes first.
 
-    It goes wherever pyribs takes an archive; only `add` needs one field more, `success`. Its
-    measures are those of all descriptors side by side; a row that is NaN in one descriptor's
+    Its measures are those of all descriptors side by side; a row that is NaN in one descriptor's
     columns is undefined there and is not offered to that grid. A descriptor has no grid before
     `set_grid`, since its range may not be known yet.
+
+    pyribs' schedulers and those of its emitters that only sample elites, such as `GaussianEmitter`,
+    run on it: give every descriptor its grid first, and pass `success=` and the extra fields to
+    their `tell`. Of pyribs' archive interface, `data`, `retrieve`, `retrieve_single` and iteration
+    are not implemented, since an elite has other measures in each grid: see `elites`,
+    `grid_elites` and `grids`.
 
     Args:
         descriptors: For each descriptor, in order, its number of measures.
         solution_dim: Length of a solution.
         extra_fields: Fields to store beside solution, objective, measures and success, in pyribs'
             form: name to (shape, dtype).
-        competition: The rule by which a cell is won.
+        competition: The rule by which a cell is won. Each `add` works on a copy and keeps it once
+            all is done, so that an error leaves a rule that tosses coins as it was.
         seed: Seed or generator of `sample_elites`.
 
     Attributes:
@@ -141,7 +148,6 @@ class MultiBDArchive(ArchiveBase):
                 spec,
                 solution_dim=self.fields.solution_dim,
                 fields=self.fields.beside_measures,
-                competition=self._competition,
             )
         }
         self._grids = {key: grids[key] for key in self.descriptors if key in grids}
@@ -192,11 +198,13 @@ class MultiBDArchive(ArchiveBase):
             {"solution": solution, "objective": objective, "measures": measures, **fields}
         )
         side_by_side = batch.pop("measures")
-        plans = [
-            (grid, grid.plan(batch, side_by_side[:, self.fields.columns_of(name)]))
-            for name, grid in self._grids.items()
-        ]
+        competition = copy.deepcopy(self._competition)
+        plans = []
+        for name, grid in self._grids.items():
+            measures_of_grid = side_by_side[:, self.fields.columns_of(name)]
+            plans.append((grid, grid.plan(batch, measures_of_grid, competition=competition)))
         insert_all(plans)
+        self._competition = competition
         status = np.zeros(len(batch["solution"]), np.int32)
         value = np.full(len(status), -np.inf)
         for _, plan in plans:

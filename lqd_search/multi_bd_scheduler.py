@@ -76,6 +76,12 @@ class MultiBDScheduler:
             if archive.specs.get(name) != spec:
                 archive.set_grid(name, spec)
 
+    @property
+    def empty(self) -> bool:
+        """Whether it holds no solution, neither in a grid nor kept aside."""
+        aside = any(len(batch["solution"]) for batch in self._aside.values())
+        return self.archive.empty and not aside
+
     def ask(self, n: int | None = None) -> NDArray[np.float64]:
         """Make the next generation.
 
@@ -119,17 +125,12 @@ class MultiBDScheduler:
         *,
         evaluation: int | NDArray[np.integer],
     ) -> None:
-        """Take what the solutions asked for came to.
-
-        Args:
-            solutions: (N, dim) float64, as `ask` returned them.
-            values: What they came to, among it the scheduler's fitness and every descriptor.
-            evaluation: Their (N,) ids, or the first of N successive ones.
+        """Take what the solutions asked for came to, as `inject` takes it.
 
         Raises:
-            SchedulerError: Nothing was asked for, N is another number than was asked for, or a
-                column is missing.
-            ArchiveError: A column does not fit the archive.
+            SchedulerError: As from `inject`, or nothing was asked for, or another number of
+                solutions.
+            ArchiveError: As from `inject`.
         """
         if self._asked is None:
             raise SchedulerError("Expected a call of ask before tell; to tell more, use inject.")
@@ -151,8 +152,8 @@ class MultiBDScheduler:
 
         Args:
             solutions: (N, dim) float64.
-            values: As for `tell`.
-            evaluation: As for `tell`.
+            values: What they came to, among it the scheduler's fitness and every descriptor.
+            evaluation: Their (N,) ids, or the first of N successive ones.
 
         Raises:
             SchedulerError: Another number of values than of solutions, or a column is missing.

@@ -2,9 +2,11 @@
 
 import json
 import platform
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
 from typing import Any
+
+from lqd_search.json_form import check_form
 
 RUN_FORMAT = 1
 """Version of the run folder's layout; a reader refuses one that it does not know."""
@@ -57,9 +59,18 @@ class RunConfig:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "RunConfig":
-        """Return the configuration that was written.
+        """Return the configuration that was written; keys that it does not know are left out.
 
         Raises:
-            TypeError: A key is missing or unknown.
+            FormError: A key is missing, or its value is of another type.
         """
-        return cls(**{**data, "dropped": tuple(data.get("dropped", ()))})
+        check_form(data, cls)
+        known = {column.name: data[column.name] for column in fields(cls)}
+        return cls(**{**known, "dropped": tuple(known["dropped"])})
+
+    def changed_versions(self) -> dict[str, tuple[str, str]]:
+        """Return which versions are others here: for each its name, the run's and this one's."""
+        here = installed_versions()
+        names = [*self.versions, *(name for name in here if name not in self.versions)]
+        pairs = {name: (self.versions.get(name, "none"), here.get(name, "none")) for name in names}
+        return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}

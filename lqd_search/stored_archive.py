@@ -5,14 +5,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs import LQDError
-from lqd_search.grid_spec import GridSpec
+from lqd_search.grid_spec import GridSpec, GridSpecError
+from lqd_search.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
 from lqd_search.multi_bd_archive import MultiBDArchive
+from lqd_search.npz_columns import ColumnError, column_of, read_columns
+
+_ELITES: Mapping[str, tuple[type[np.generic], int]] = {
+    "solution": (np.float64, 2),
+    "objective": (np.float64, 1),
+    "success": (np.bool_, 1),
+    "evaluation": (np.int64, 1),
+    EXPERT: (np.bool_, 1),
+    GROUND_TRUTH: (np.float64, 2),
+    DIGEST: (np.uint64, 1),
+}
+_SPEC: Mapping[str, type[np.generic]] = {"dims": np.int64, "ranges": np.float64}
 
 
 class StoredArchiveError(LQDError):
@@ -42,7 +54,7 @@ class StoredArchive:
 
     Attributes:
         fields: A column of m rows for each field: `solution`, `objective`, `success` (the inferred
-            condition), `evaluation`, and the passive ones.
+            condition), `evaluation`, and the passive ones: `expert`, `ground_truth`, `digest`.
         grids: The grids by descriptor.
     """
 
@@ -76,8 +88,8 @@ class StoredArchive:
             f"elites/{name}": column for name, column in self.fields.items()
         }
         for name, grid in self.grids.items():
-            columns[f"grids/{name}/dims"] = np.asarray(grid.spec.dims, dtype=np.int64)
-            columns[f"grids/{name}/ranges"] = np.asarray(grid.spec.ranges, dtype=np.float64)
+            for key, numbers in grid.spec.to_dict().items():
+                columns[f"grids/{name}/{key}"] = np.asarray(numbers, dtype=_SPEC[key])
             columns[f"grids/{name}/cells"] = grid.cells
             columns[f"grids/{name}/elites"] = grid.elites
             columns[f"grids/{name}/measures"] = grid.measures
@@ -93,10 +105,10 @@ class StoredArchive:
             StoredArchiveError: It is missing, damaged or of another form.
         """
         try:
-            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
-                columns = {name: file[name] for name in file.files}
-            return cls(fields=_elite_fields(columns), grids=_grids(columns))
-        except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
+            columns = read_columns(path)
+            fields = _elite_fields(columns)
+            return cls(fields=fields, grids=_grids(columns, elites=len(fields["solution"])))
+        except ColumnError as error:
             raise StoredArchiveError(
                 f"Expected an archive in {path}, but it cannot be read ({error}); run the search "
                 "again."
@@ -104,32 +116,56 @@ class StoredArchive:
 
 
 def _elite_fields(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    for name, (dtype, ndim) in _ELITES.items():
+        column_of(columns, f"elites/{name}", dtype=dtype, ndim=ndim)
     fields = {
         name.removeprefix("elites/"): column
         for name, column in columns.items()
         if name.startswith("elites/")
     }
-    fields["solution"]
+    for name, column in fields.items():
+        if column.shape[:1] != fields["solution"].shape[:1]:
+            raise ColumnError(
+                f"expected as many rows in elites/{name} as in elites/solution, got "
+                f"{column.shape} and {fields['solution'].shape}"
+            )
     return fields
 
 
-def _grids(columns: Mapping[str, NDArray[Any]]) -> dict[str, StoredGrid]:
+def _grids(columns: Mapping[str, NDArray[Any]], *, elites: int) -> dict[str, StoredGrid]:
     names = [
         name.removeprefix("grids/").removesuffix("/dims")
         for name in columns
         if name.startswith("grids/") and name.endswith("/dims")
     ]
-    return {
-        name: StoredGrid(
-            spec=GridSpec(
-                dims=tuple(int(n) for n in columns[f"grids/{name}/dims"]),
-                ranges=tuple(
-                    (float(low), float(high)) for low, high in columns[f"grids/{name}/ranges"]
-                ),
-            ),
-            cells=columns[f"grids/{name}/cells"],
-            elites=columns[f"grids/{name}/elites"],
-            measures=columns[f"grids/{name}/measures"],
-        )
-        for name in names
+    return {name: _grid(columns, f"grids/{name}", elites=elites) for name in names}
+
+
+def _grid(columns: Mapping[str, NDArray[Any]], place: str, *, elites: int) -> StoredGrid:
+    spec = {
+        key: column_of(columns, f"{place}/{key}", dtype=dtype, ndim=1 if key == "dims" else 2)
+        for key, dtype in _SPEC.items()
     }
+    if spec["ranges"].shape != (len(spec["dims"]), 2):
+        raise ColumnError(f"expected two bounds for each dimension in {place}/ranges")
+    try:
+        grid = StoredGrid(
+            spec=GridSpec.from_dict(spec),
+            cells=column_of(columns, f"{place}/cells", dtype=np.int64, ndim=1),
+            elites=column_of(columns, f"{place}/elites", dtype=np.int64, ndim=1),
+            measures=column_of(columns, f"{place}/measures", dtype=np.float64, ndim=2),
+        )
+    except GridSpecError as error:
+        raise ColumnError(f"{place}: {str(error).rstrip('.')}") from error
+    if grid.measures.shape != (len(grid.cells), len(spec["dims"])):
+        raise ColumnError(f"expected a row of measures for each cell in {place}/measures")
+    _check_indices(f"{place}/cells", grid.cells, below=grid.spec.cells)
+    _check_indices(f"{place}/elites", grid.elites, below=elites)
+    if len(grid.elites) != len(grid.cells):
+        raise ColumnError(f"expected as many rows in {place}/elites as in {place}/cells")
+    return grid
+
+
+def _check_indices(name: str, indices: NDArray[np.int64], *, below: int) -> None:
+    if ((indices < 0) | (indices >= below)).any():
+        raise ColumnError(f"expected numbers from 0 to {below - 1} in {name}, got others")

@@ -50,7 +50,6 @@ class SuccessGrid:
         solution_dim: Length of a solution.
         fields: Fields beside solution, objective and measures, in pyribs' form; among them
             `success`.
-        competition: The rule by which a cell is won.
 
     Attributes:
         archive: The pyribs archive, to be read only.
@@ -58,25 +57,29 @@ class SuccessGrid:
         clipped: Number of solutions offered so far with a measure out of range.
     """
 
-    def __init__(
-        self, spec: GridSpec, *, solution_dim: int, fields: FieldDesc, competition: Competition
-    ) -> None:
+    def __init__(self, spec: GridSpec, *, solution_dim: int, fields: FieldDesc) -> None:
         self.spec = spec
         self.clipped = 0
         self._solution_dim = solution_dim
         self._fields = fields
-        self._competition = competition
         bounds = np.array(spec.ranges)
         reach = _REACH_IN_RANGES * (bounds[:, 1] - bounds[:, 0])
         self._nearest, self._farthest = bounds[:, 0] - reach, bounds[:, 1] + reach
         self._fill({})
 
-    def plan(self, batch: Mapping[str, NDArray[Any]], measures: NDArray[np.float64]) -> Insertion:
+    def plan(
+        self,
+        batch: Mapping[str, NDArray[Any]],
+        measures: NDArray[np.float64],
+        *,
+        competition: Competition,
+    ) -> Insertion:
         """Find out what a batch would change, without changing anything.
 
         Args:
             batch: (N, ...) rows of every field but the measures, checked.
             measures: (N, d) float64, NaN rows where undefined, checked.
+            competition: The rule by which a cell is won.
 
         Returns:
             The changes, for `insert`.
@@ -90,7 +93,7 @@ class SuccessGrid:
         occupied, success, objective = self._incumbents
         candidates = Candidates(cell, batch["success"][offered], batch["objective"][offered])
         incumbents = Incumbents(occupied[cell], success[cell], objective[cell])
-        won = self._competition(candidates, incumbents)
+        won = competition(candidates, incumbents)
         winners, won_measures = offered[won], reachable[won]
         with np.errstate(over="ignore"):
             value = candidates.objective - incumbents.objective

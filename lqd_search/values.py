@@ -39,7 +39,8 @@ class Values:
 
     Attributes:
         valid: (N,) bool. False: rejected or discarded before it was judged, never inserted.
-        success: (N,) bool, the inferred condition. False wherever `valid` is.
+        success: (N,) bool, the inferred condition. False wherever `valid` is, and where the
+            condition's verdict was refused.
         fitness: For each fitness function (N,) float64; NaN: undefined or refused.
         measures: For each descriptor (N, d) float64; a row of only NaN: undefined.
         refusals: The functionals whose values were refused in this batch.

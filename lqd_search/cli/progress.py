@@ -7,36 +7,37 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     TextColumn,
     TimeRemainingColumn,
 )
+from rich.table import Column
 
 from lqd_search.metrics import Metrics
 from lqd_search.values import Refusal
 
+_BAR_WIDTH = 24
+_WIDE_ENOUGH_FOR_A_BAR = 110
+
 
 class RunProgress:
-    """Shows evaluations, successes, coverage and evaluations per second on standard error.
+    """Shows evaluations, successes, coverage and evaluations per second.
+
+    In a line of 80 columns, which is also what is printed where there is no terminal, the figures
+    come first: the stage is cut short, and there is no bar.
 
     Args:
         title: What is searched for.
         total: Evaluations in all.
+        console: Where to show them; standard error by default.
     """
 
-    def __init__(self, title: str, *, total: int) -> None:
-        self._console = Console(stderr=True)
+    def __init__(self, title: str, *, total: int, console: Console | None = None) -> None:
+        console = console or Console(stderr=True)
         self._progress = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
-            MofNCompleteColumn(),
-            TextColumn(
-                "{task.fields[successes]:,} successes, coverage {task.fields[coverage]:.1%}, "
-                "{task.fields[rate]:,.0f}/s"
-            ),
-            TimeRemainingColumn(compact=True),
-            console=self._console,
+            *_columns(total, width=console.width), console=console, expand=True
         )
-        self._console.print(title, highlight=False)
+        console.print(title, highlight=False, markup=False)
         self._bar = self._progress.add_task(
             "first batch", total=total, successes=0, coverage=0.0, rate=0.0
         )
@@ -74,3 +75,20 @@ class RunProgress:
             highlight=False,
             markup=False,
         )
+
+
+def _columns(total: int, *, width: int) -> list[ProgressColumn]:
+    stage = Column(ratio=1, no_wrap=True, overflow="ellipsis")
+    evaluations = Column(no_wrap=True, min_width=2 * len(str(total)) + 1)
+    bar = [BarColumn(bar_width=_BAR_WIDTH)] if width >= _WIDE_ENOUGH_FOR_A_BAR else []
+    return [
+        TextColumn("{task.description}", table_column=stage),
+        *bar,
+        MofNCompleteColumn(table_column=evaluations),
+        TextColumn(
+            "{task.fields[successes]:,} successes, coverage {task.fields[coverage]:.1%}, "
+            "{task.fields[rate]:,.0f}/s",
+            table_column=Column(no_wrap=True),
+        ),
+        TimeRemainingColumn(compact=True),
+    ]

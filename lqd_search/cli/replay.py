@@ -1,5 +1,6 @@
 """`lqd replay`: one motion of an archive, once more."""
 
+import sys
 from pathlib import Path
 
 import click
@@ -7,9 +8,13 @@ import numpy as np
 
 from lqd_envs import LQDError, get_task
 from lqd_envs.rendering_backend import has_display
+from lqd_search.cli.video import check_video_path, write_video
 from lqd_search.replay import Replay, replay
+from lqd_search.run_config import RunConfig
 from lqd_search.run_folder import RunFolder
 from lqd_search.stored_archive import StoredArchive
+
+_DIFFERENT = 1
 
 
 @click.command("replay", short_help="Carry out a motion of an archive again.")
@@ -29,21 +34,27 @@ def replay_command(*, folder: Path, index: int | None, best: bool, video: Path |
     """Carry out a motion of the archive in DIR, step by step in the Gymnasium env.
 
     With a display it is shown in a window; without one, only what it came to is printed. Either
-    way it is compared, bit for bit, with what the search saw.
+    way it is compared, bit for bit, with what the search saw; where it differs, the exit status
+    is 1.
     """
     if best and index is not None:
         raise LQDError("Expected --index or --best, got both; leave one out.")
     run = RunFolder.open(folder)
-    archive, task = run.archive(), get_task(run.config().task)
+    config, archive = run.config(), run.archive()
+    task = get_task(config.task)
     row = best_success(archive) if index is None else _checked_index(archive, index)
-    _check_video(video)
+    if video:
+        check_video_path(video)
     mode = "rgb_array" if video else "human" if has_display() else None
     shown = replay(task.id, archive.fields["solution"][row], render_mode=mode)
     if video:
-        _write_video(video, shown)
+        write_video(video, shown.frames)
     click.echo(_report(archive, row, shown))
     if video:
         click.echo(f"video: {video}")
+    if not is_same(archive, row, shown):
+        click.echo(f"lqd: {difference(config)}", err=True)
+        sys.exit(_DIFFERENT)
 
 
 def best_success(archive: StoredArchive) -> int:
@@ -61,6 +72,26 @@ def best_success(archive: StoredArchive) -> int:
     return int(np.argmax(np.where(success, archive.fields["objective"], -np.inf)))
 
 
+def is_same(archive: StoredArchive, row: int, shown: Replay) -> bool:
+    """Return whether a replay is, bit for bit, what the run saw of that row of its archive."""
+    fields = archive.fields
+    same_infos = shown.same_as_batch and shown.digest == int(fields["digest"][row])
+    return same_infos and shown.success == bool(fields["expert"][row])
+
+
+def difference(config: RunConfig) -> str:
+    """Return a sentence that says which versions may have made a replay another motion."""
+    changed = config.changed_versions()
+    versions = ", ".join(f"{name} {ran} (here {here})" for name, (ran, here) in changed.items())
+    why = (
+        f"the run was made with other versions, {versions}; install these to see it again."
+        if changed
+        else "none of the versions in config.json differs from those here; another processor or a "
+        "changed task or archive may be why."
+    )
+    return f"Expected the motion that the run saw, but this replay differs from it: {why}"
+
+
 def _checked_index(archive: StoredArchive, index: int) -> int:
     if index >= len(archive):
         raise LQDError(
@@ -68,25 +99,6 @@ def _checked_index(archive: StoredArchive, index: int) -> int:
             f"{index}."
         )
     return index
-
-
-def _check_video(video: Path | None) -> None:
-    if video is None:
-        return
-    if video.suffix != ".mp4":
-        raise LQDError(f"Expected the name of an .mp4 file for the video, got {video}.")
-    if video.exists() or not video.absolute().parent.is_dir():
-        why = "exists already" if video.exists() else "is in a folder that does not exist"
-        raise LQDError(f"Expected a new file for the video, but {video} {why}; choose another.")
-
-
-def _write_video(video: Path, shown: Replay) -> None:
-    import imageio.v3 as iio
-
-    part = video.with_name(f".{video.stem}.part.mp4")
-    # yuv420p and even sizes: what every player and browser can show.
-    iio.imwrite(part, np.stack(shown.frames), fps=50, codec="libx264")
-    part.replace(video)
 
 
 def _report(archive: StoredArchive, row: int, shown: Replay) -> str:

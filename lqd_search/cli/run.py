@@ -20,8 +20,9 @@ from lqd_search.search import search
 if TYPE_CHECKING:
     from lqd_llm import InferredFunctionals
 
-_PAPER_EVALUATIONS = 102_400
-_PAPER_BATCH = 2_048
+# The paper says 50 generations, and nothing of how many solutions they have: 2,048 is ours.
+_FULL_BATCH = 2_048
+_FULL_EVALUATIONS = 50 * _FULL_BATCH
 _FEWEST_GENERATIONS = 32
 _EXAMPLE_SEED = 0
 _EXAMPLE_SOLUTIONS = 64
@@ -32,7 +33,7 @@ _EXAMPLE_SOLUTIONS = 64
 @click.option(
     "--evaluations",
     type=click.IntRange(min=1),
-    default=_PAPER_EVALUATIONS,
+    default=_FULL_EVALUATIONS,
     show_default=True,
     help="Solutions to evaluate in all.",
 )
@@ -83,33 +84,70 @@ def run_command(
     path = out or default_path(task)
     refuse_existing(path)
     inferred = _infer(task, sample=sample)
-    functionals = FunctionalEvaluator(_functionals(inferred), examples=_examples(task))
-    for sentence in (*inferred.dropped, *functionals.dropped):
+    functionals = FunctionalEvaluator(
+        _functionals(inferred), examples=_examples(task, threads=threads)
+    )
+    method = _method(task, functionals, evaluations=evaluations, batch_size=batch_size, seed=seed)
+    config = _config(task, inferred, functionals, method, seed=seed, sample=sample)
+    for sentence in config.dropped:
         click.echo(f"note: {sentence}", err=True)
-    method = LanguageDrivenQD(
+    folder = RunFolder.create(path, config=config, functionals=_texts(inferred))
+    pictures = _search(folder, task, method, MotionEvaluator(task, functionals, threads))
+    print_summary(folder.summary())
+    click.echo(f"\nRun folder: {folder.path}\nPictures:")
+    for picture in pictures:
+        click.echo(f"  {picture}")
+
+
+def _method(
+    task: Task,
+    functionals: FunctionalEvaluator,
+    *,
+    evaluations: int,
+    batch_size: int | None,
+    seed: int,
+) -> LanguageDrivenQD:
+    return LanguageDrivenQD(
         SolutionSpace(),
         descriptors=functionals.descriptors,
-        fitness_names=[function.name for function in inferred.fitness],
+        fitness_names=functionals.fitness_names,
         evaluations=evaluations,
         batch_size=batch_size or default_batch_size(evaluations),
         rng=np.random.default_rng(seed),
         passive_fields=passive_fields(task),
     )
-    config = RunConfig(
+
+
+def _config(
+    task: Task,
+    inferred: "InferredFunctionals",
+    functionals: FunctionalEvaluator,
+    method: LanguageDrivenQD,
+    *,
+    seed: int,
+    sample: int,
+) -> RunConfig:
+    return RunConfig(
         task=task.id,
         instruction=task.instruction,
         method="ours",
         seed=seed,
         sample=sample,
-        evaluations=evaluations,
+        evaluations=method.budget.evaluations,
         batch_size=method.budget.batch_size,
         prompt_hashes=dict(inferred.prompt_hashes),
         model=inferred.model,
         provenance=inferred.provenance,
         dropped=(*inferred.dropped, *functionals.dropped),
     )
-    folder = RunFolder.create(path, config=config, functionals=_texts(inferred))
-    with RunProgress(f"{task.id} “{task.instruction}”", total=evaluations) as progress:
+
+
+def _search(
+    folder: RunFolder, task: Task, method: LanguageDrivenQD, evaluate: MotionEvaluator
+) -> tuple[Path, ...]:
+    """Run the method under a progress bar, write it down, and return the pictures' paths."""
+    title = f"{task.id} “{task.instruction}”"
+    with RunProgress(title, total=method.budget.evaluations) as progress:
         recorder = RunRecorder(
             folder,
             task=task,
@@ -117,22 +155,18 @@ def run_command(
             on_generation=progress.show,
             on_refusal=progress.warn,
         )
-        search(method, MotionEvaluator(task, functionals, threads), observe=recorder.observe)
-    pictures = recorder.finish()
-    print_summary(folder.summary())
-    click.echo(f"\nRun folder: {folder.path}\nPictures:")
-    for picture in pictures:
-        click.echo(f"  {picture}")
+        search(method, evaluate, observe=recorder.observe)
+    return recorder.finish()
 
 
 def default_batch_size(evaluations: int) -> int:
     """Return the largest power of two that leaves 32 generations, 2,048 at most.
 
-    It gives the paper's scale of 102,400 evaluations 50 generations of 2,048, 20,480 evaluations
-    40 of 512, and 8,192 evaluations 32 of 256.
+    The full scale of 102,400 evaluations has 50 generations of 2,048, as many generations as the
+    paper; 20,480 evaluations have 40 of 512, and 8,192 have 32 of 256.
     """
     size = 1
-    while 2 * size * _FEWEST_GENERATIONS <= evaluations and size < _PAPER_BATCH:
+    while 2 * size * _FEWEST_GENERATIONS <= evaluations and size < _FULL_BATCH:
         size *= 2
     return size
 
@@ -173,13 +207,13 @@ def _texts(inferred: "InferredFunctionals") -> list[FunctionText]:
     ]
 
 
-def _examples(task: Task) -> list[Info]:
-    """Return moments of the task on which the length of each quantity can be seen.
+def _examples(task: Task, *, threads: int) -> list[Info]:
+    """Return moments of the task on which it can be seen what each function gives.
 
     They come from random motions of their own, whatever these do, and are no part of the search.
     """
     solutions = SolutionSpace().sample(_EXAMPLE_SOLUTIONS, rng=np.random.default_rng(_EXAMPLE_SEED))
-    trajectories = rollout(task, solutions)
+    trajectories = rollout(task, solutions, threads=threads)
     return [
         info
         for i in np.flatnonzero(trajectories.valid)

@@ -1,14 +1,15 @@
 """A run's figures as a table."""
 
 import math
-from typing import Any
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from lqd_search.summary import Summary
 
-def print_summary(summary: dict[str, Any]) -> None:
+
+def print_summary(summary: Summary) -> None:
     """Print the contents of a run's `summary.json` on standard output."""
     console = Console()
     console.print(_figures(summary))
@@ -30,7 +31,7 @@ def print_summary(summary: dict[str, Any]) -> None:
     )
 
 
-def _figures(summary: dict[str, Any]) -> Table:
+def _figures(summary: Summary) -> Table:
     table = Table(title=f"{summary['task']} · {summary['method']} · seed {summary['seed']}",
                   box=box.SIMPLE_HEAD, show_header=False)  # fmt: skip
     table.add_column()
@@ -64,7 +65,7 @@ def _figures(summary: dict[str, Any]) -> Table:
     return table
 
 
-def _grids(summary: dict[str, Any]) -> Table:
+def _grids(summary: Summary) -> Table:
     table = Table(title="Grids", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("descriptor", overflow="fold")
     for column in ("cells", "filled", "coverage", "successes", "clipped"):
@@ -86,7 +87,7 @@ def _grids(summary: dict[str, Any]) -> Table:
     return table
 
 
-def _refusals(summary: dict[str, Any]) -> Table:
+def _refusals(summary: Summary) -> Table:
     table = Table(title="Refused values", box=box.SIMPLE_HEAD)
     for column in ("kind", "functional", "reason"):
         table.add_column(column, overflow="fold")

@@ -89,6 +89,16 @@ def test_other_than_json_is_refused(tmp_path, content):
         load_recording("faucet", sample=0, directory=tmp_path)
 
 
+def test_a_folder_in_its_place_is_refused(tmp_path):
+    (tmp_path / "faucet-0.json").mkdir()
+
+    message = (
+        r"^The recording faucet-0\.json cannot be read \(Is a directory\); restore the file\.$"
+    )
+    with pytest.raises(RecordingError, match=message):
+        load_recording("faucet", sample=0, directory=tmp_path)
+
+
 def no_model(content):
     del content["model"]
 

@@ -1,7 +1,9 @@
 import csv
 import json
 import re
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -111,6 +113,22 @@ def test_the_archive_holds_what_a_rollout_of_its_solutions_gives(run):
     np.testing.assert_array_equal(trajectories.ground_truth(), archive.fields["ground_truth"])
 
 
+def test_the_code_in_the_description_of_the_run_folder_runs(run, monkeypatch, capsys):
+    text = (Path(__file__).parents[2] / "docs" / "run-folder.md").read_text("utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    monkeypatch.chdir(run[0])
+
+    printed = []
+    for block in blocks:
+        exec(compile(block, "run-folder.md", "exec"), {})
+        printed.append(capsys.readouterr().out)
+
+    approved = StoredArchive.load(Path("archive.npz")).fields["expert"].sum()
+    assert len(printed) == 2
+    assert printed[1].startswith(f"LQD/Faucet-v0 {approved}\n")
+    assert printed[1].endswith(printed[0])
+
+
 def test_the_same_seed_gives_the_same_archive_with_another_number_of_threads(run, tmp_path, capsys):
     folder = tmp_path / "two"
 
@@ -128,6 +146,50 @@ def test_another_seed_gives_another_archive(run, tmp_path, capsys):
     run_main(capsys, "run", "LQD/Faucet-v0", *SIZE, "--seed", 5, "--out", folder)
 
     assert (folder / "archive.npz").read_bytes() != (run[0] / "archive.npz").read_bytes()
+
+
+def changed_copy(folder, path, **changes):
+    """Copy a run folder and change its archive's columns by these functions."""
+    shutil.copytree(folder, path)
+    archive = StoredArchive.load(path / "archive.npz")
+    fields = {name: changes.get(name, np.copy)(c) for name, c in archive.fields.items()}
+    (path / "archive.npz").write_bytes(StoredArchive(fields, archive.grids).to_bytes())
+    return path
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"digest": lambda digest: digest + np.uint64(1)}, {"expert": np.logical_not}],
+    ids=["infos", "success"],
+)
+def test_a_replay_that_differs_from_the_run_has_status_1(run, capsys, tmp_path, changes):
+    folder = changed_copy(run[0], tmp_path / "changed", **changes)
+
+    status, out, err = run_main(capsys, "replay", folder, "--index", 1)
+
+    assert status == 1
+    assert "elite 1 of" in out
+    assert re.fullmatch(
+        r"lqd: Expected the motion that the run saw, but this replay differs from it: none of the "
+        r"versions in config\.json differs from those here; [^\n]+\.\n",
+        err,
+    )
+
+
+def test_a_replay_that_differs_names_the_versions_that_differ(run, capsys, tmp_path):
+    folder = changed_copy(run[0], tmp_path / "changed", digest=lambda digest: digest + np.uint64(1))
+    config = json.loads((folder / "config.json").read_text())
+    here = dict(config["versions"])
+    config["versions"] |= {"mujoco": "1.2.3", "numpy": "4.5.6"}
+    (folder / "config.json").write_text(json.dumps(config))
+
+    status, _, err = run_main(capsys, "replay", folder, "--index", 1)
+
+    assert status == 1
+    assert (
+        f"other versions, mujoco 1.2.3 (here {here['mujoco']}), "
+        f"numpy 4.5.6 (here {here['numpy']}); install these"
+    ) in err
 
 
 def test_replay_says_that_it_saw_what_the_search_saw(run, capsys):
@@ -159,6 +221,89 @@ def test_bad_input_is_one_sentence_and_status_2(arguments, message, capsys, tmp_
     assert not list(tmp_path.iterdir())
     assert re.search(message, err)
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "command"),
+    [
+        ("summary.json", "{}", ("show",)),
+        ("summary.json", "{}", ("show", "--json")),
+        ("config.json", '{"format": 2, "what": 3}', ("show",)),
+        ("archive.npz", "no archive", ("replay",)),
+    ],
+)
+def test_a_damaged_run_folder_is_one_sentence_and_status_2(
+    run, capsys, tmp_path, file, content, command
+):
+    shutil.copytree(run[0], tmp_path / "copy")
+    (tmp_path / "copy" / file).write_text(content)
+
+    status, out, err = run_main(capsys, *command, tmp_path / "copy")
+
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"lqd: Expected [^\n]+\.\n", err)
+
+
+def test_another_key_of_the_summary_is_named(run, capsys, tmp_path):
+    shutil.copytree(run[0], tmp_path / "copy")
+    summary = json.loads((tmp_path / "copy" / "summary.json").read_text())
+    del summary["grids"][0]["clipped"]
+    (tmp_path / "copy" / "summary.json").write_text(json.dumps(summary))
+
+    status, _, err = run_main(capsys, "show", tmp_path / "copy")
+
+    assert status == 2
+    assert "Expected the key 'grids[0].clipped'" in err
+
+
+def test_an_out_with_too_long_a_name_is_refused(capsys, tmp_path):
+    status, out, err = run_main(capsys, "run", "LQD/Faucet-v0", "--out", tmp_path / ("a" * 300))
+
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"lqd: Expected to write the run to [^\n]+ --out\.\n", err)
+
+
+def test_the_examples_are_simulated_on_the_threads_asked_for(capsys, tmp_path, monkeypatch):
+    asked = []
+
+    def noting(task, solutions, *, threads=0):
+        asked.append(threads)
+        return rollout(task, solutions, threads=threads)
+
+    monkeypatch.setattr("lqd_search.cli.run.rollout", noting)
+    # The batch size is refused after the examples and before the search.
+    status, _, _ = run_main(
+        capsys, "run", "LQD/Faucet-v0", "--evaluations", 20, "--batch-size", 2, "--threads", 3,
+        "--out", tmp_path / "run",
+    )  # fmt: skip
+
+    assert status == 2
+    assert asked == [3]
+
+
+def test_a_fitness_that_never_gives_a_number_is_not_explored(capsys, tmp_path, monkeypatch):
+    infer = lqd_llm.infer_from_recording
+
+    def infer_with_fault(*names, **options):
+        inferred = infer(*names, **options)
+        source = FunctionSource(
+            name="never", description="faulty", code="def fitness(info): return None"
+        )
+        never = build_function(source, kind="fitness", entry="fitness")
+        return replace(inferred, fitness=(never, *inferred.fitness[1:]))
+
+    monkeypatch.setattr(lqd_llm, "infer_from_recording", infer_with_fault)
+    folder = tmp_path / "run"
+
+    status, _, _ = run_main(
+        capsys, "run", "LQD/Faucet-v0", "--evaluations", 80, "--batch-size", 4, "--out", folder
+    )
+
+    figures = json.loads((folder / "summary.json").read_text())
+    assert status == 0
+    assert len(figures["exploration"]) == 2
+    assert "never" not in figures["exploration"]
+    assert any("'never'" in sentence for sentence in figures["dropped"])
 
 
 def test_an_existing_out_is_refused(run, capsys):

@@ -191,6 +191,74 @@ def test_a_tie_goes_to_the_earlier_fitness(toy):
     assert method.chosen == "away"
 
 
+def without_numbers(toy, solutions, *names):
+    """Values without a success, and in which these fitness functions give no number."""
+    values = toy.evaluate(solutions)
+    nothing = np.full(len(solutions), np.nan)
+    return dataclasses.replace(
+        values,
+        success=np.zeros(len(solutions), bool),
+        fitness={n: nothing if n in names else f for n, f in values.fitness.items()},
+    )
+
+
+@pytest.mark.parametrize(("dead", "chosen"), [(("flat",), "near"), (("flat", "near"), "away")])
+def test_a_fitness_that_never_gives_a_number_is_not_kept(toy, dead, chosen):
+    method = new_method(toy, evaluations=960)
+    while not method.done:
+        method.tell(without_numbers(toy, method.ask(), *dead))
+    assert method.exploration == {"flat": 0, "near": 0, "away": 0}
+    assert method.chosen == chosen
+    assert len(method.output()["solution"]) > 0
+
+
+def test_where_no_fitness_gives_a_number_the_first_is_kept(toy):
+    method = new_method(toy, evaluations=960)
+    while not method.done:
+        method.tell(without_numbers(toy, method.ask(), "flat", "near", "away"))
+    assert method.chosen == "flat"
+    assert len(method.output()["solution"]) == 0
+
+
+def test_solutions_kept_aside_keep_a_run_in_the_choice(toy):
+    # With this minimum no descriptor gets a grid before the ranges are learned again.
+    method = new_method(toy, evaluations=960, minimum=10_000)
+    while method.chosen is None:
+        method.tell(without_numbers(toy, method.ask(), "flat"))
+    assert method.archive.empty
+    assert method.chosen == "near"
+
+
+@pytest.mark.parametrize("coin", [False, True])
+def test_an_error_in_the_choice_leaves_nothing_half_changed(toy, monkeypatch, coin):
+    def new():
+        options = {"competition": compete_by_coin(np.random.default_rng(3))} if coin else {}
+        method = new_method(toy, evaluations=960, cells=16, **options)
+        for _ in range(6):
+            step(method, toy)
+        return method
+
+    method, twin = new(), new()
+    values = toy.evaluate(method.ask())
+    before = state(method), method.stage
+
+    def fail(*_):
+        raise MemoryError("while the grids were rebuilt")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(MultiBDArchive, "emptied", fail)
+        with pytest.raises(MemoryError, match="rebuilt"):
+            method.tell(values)
+    assert (state(method), method.stage) == before
+    method.tell(values)
+    step(twin, toy)
+    assert method.chosen is not None
+    assert state(method) == state(twin)
+    finish(method, toy)
+    finish(twin, toy)
+    assert state(method) == state(twin)
+
+
 def test_ranges_are_learned_again_once_and_then_fixed(toy):
     method = new_method(toy, evaluations=960)
     seen, specs = [], []

@@ -48,12 +48,13 @@ def functionals(**changes):
     )
 
 
+EXAMPLE = moment(-1.0)
 MOTION = [moment(0.0), moment(1.0, contact=True), moment(3.5)]
 CALM = [moment(0.5), moment(0.5)]
 
 
 def judge(*motions, **changes):
-    evaluate = FunctionalEvaluator(functionals(**changes), examples=[moment(0.0)])
+    evaluate = FunctionalEvaluator(functionals(**changes), examples=[EXAMPLE])
     return evaluate(enumerate(motions), valid=np.ones(len(motions), bool))
 
 
@@ -167,15 +168,20 @@ def exhausting(_):
         (lambda: True, "raised TypeError"),
     ],
 )
-def test_a_refused_success_is_no_success_and_leaves_no_fitness(success, reason):
+def test_a_refused_success_is_a_failure_with_its_fitness_and_measures(success, reason):
     values = judge(MOTION, success=success)
     assert values.valid.tolist() == [True]
     assert values.success.tolist() == [False]
-    assert np.isnan(values.fitness["reach"]).all()
+    assert values.fitness["reach"].tolist() == [1.5]
     assert values.measures["start.place"].tolist() == [[0.0, 0.1, 0.2]]
     (refusal,) = values.refusals
     assert (refusal.kind, refusal.functional, refusal.count) == ("success", "success", 1)
     assert refusal.reason.startswith(reason)
+
+
+def except_on_the_example(fitness):
+    """Behave on the example, so that the function is used."""
+    return lambda info: 0.0 if info is EXAMPLE else fitness(info)
 
 
 @pytest.mark.parametrize(
@@ -194,7 +200,7 @@ def test_a_refused_success_is_no_success_and_leaves_no_fitness(success, reason):
     ],
 )
 def test_a_refused_fitness_is_undefined_and_the_others_are_not(fitness, reason):
-    values = judge(MOTION, fitness={"bad": fitness, "good": x_of})
+    values = judge(MOTION, fitness={"bad": except_on_the_example(fitness), "good": x_of})
     assert np.isnan(values.fitness["bad"]).all()
     assert values.fitness["good"].tolist() == [1.5]
     assert values.success.tolist() == [True]
@@ -204,7 +210,8 @@ def test_a_refused_fitness_is_undefined_and_the_others_are_not(fitness, reason):
 
 
 def test_a_fitness_refused_at_one_moment_is_refused_altogether():
-    values = judge(MOTION, CALM, fitness={"log": lambda info: math.log(x_of(info))})
+    log = except_on_the_example(lambda info: math.log(x_of(info)))
+    values = judge(MOTION, CALM, fitness={"log": log})
     assert np.isnan(values.fitness["log"]).tolist() == [True, False]
     assert values.fitness["log"][1] == math.log(0.5)
 
@@ -230,7 +237,7 @@ def test_a_refused_timestamp_leaves_its_descriptors_undefined(timestamp, reason)
 
 def after_the_start(result):
     """Behave on the example and at the start, and return `result` at later moments."""
-    return lambda info: (0.0, 0.0) if x_of(info) == 0.0 else result
+    return lambda info: (0.0, 0.0) if x_of(info) <= 0.0 else result
 
 
 @pytest.mark.parametrize(
@@ -272,12 +279,13 @@ def test_refusals_count_motions_and_name_the_first():
 
 
 def test_the_line_is_that_of_the_functions_own_source():
-    source = "import statistics\n\ndef fitness(info):\n    return helper()\n\n"
-    source += "def helper():\n    return statistics.mean([])\n"
+    source = "import statistics\n\ndef fitness(info):\n    return helper(info)\n\n"
+    source += "def helper(info):\n    x, _, _ = info['object_position']\n"
+    source += "    return statistics.mean([0.0][x > 0 :])\n"
     namespace = {}
     exec(compile(source, "<fitness reach>", "exec"), namespace)
     values = judge(CALM, fitness={"reach": namespace["fitness"]})
-    assert values.refusals[0].reason == "raised StatisticsError in line 7"
+    assert values.refusals[0].reason == "raised StatisticsError in line 8"
 
 
 def test_interrupts_are_not_refusals():
@@ -285,7 +293,36 @@ def test_interrupts_are_not_refusals():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        judge(CALM, fitness={"reach": interrupted})
+        judge(CALM, fitness={"reach": except_on_the_example(interrupted)})
+
+
+def sorting(infos):
+    infos.sort(key=x_of, reverse=True)
+    return x_of(infos[0]) > 1.0
+
+
+def popping(infos):
+    return infos.pop()
+
+
+def test_a_function_that_changes_its_list_does_not_change_what_the_next_one_sees():
+    values = judge(
+        MOTION,
+        success=sorting,
+        timestamps={
+            "last": popping,
+            "again": popping,
+            "none": lambda infos: infos.clear(),
+            "start": lambda infos: infos[0],
+        },
+    )
+    assert values.success.tolist() == [True]
+    assert values.fitness["reach"].tolist() == [1.5]
+    assert values.measures["last.place"].tolist() == [[3.5, 0.1, 0.2]]
+    assert values.measures["again.place"].tolist() == [[3.5, 0.1, 0.2]]
+    assert values.measures["start.place"].tolist() == [[0.0, 0.1, 0.2]]
+    assert values.refusals == ()
+    assert [x_of(info) for info in MOTION] == [0.0, 1.0, 3.5]
 
 
 @pytest.mark.parametrize(
@@ -310,6 +347,47 @@ def test_a_quantity_that_fails_on_the_example_cannot_be_used(quantity, reason):
     )
     with pytest.raises(FunctionalError, match=r"there is none: .*Correct one, or infer others"):
         FunctionalEvaluator(functionals(quantities={"bad": quantity}), examples=[moment(0.0)])
+
+
+@pytest.mark.parametrize(
+    ("fitness", "reason"),
+    [
+        (exploding, "raised ZeroDivisionError"),
+        (lambda _: None, "returned None, not a number"),
+        (lambda _: math.nan, "returned NaN"),
+        (lambda _: np.float64(1.0) / np.float64(0.0), "returned infinity"),
+    ],
+)
+def test_a_fitness_that_fails_on_every_example_cannot_be_used(fitness, reason):
+    evaluate = FunctionalEvaluator(
+        functionals(fitness={"bad": fitness, "good": x_of}), examples=[moment(0.0)] * 2
+    )
+
+    assert evaluate.fitness_names == ("good",)
+    (sentence,) = evaluate.dropped
+    assert re.match(
+        f"The fitness function 'bad' is not used: .* 2 example .* it {reason}", sentence
+    )
+    values = evaluate([(0, MOTION)], valid=np.array([True]))
+    assert list(values.fitness) == ["good"]
+    assert values.refusals == ()
+    with pytest.raises(FunctionalError, match=r"a fitness that gives .* there is none: .*Correct"):
+        FunctionalEvaluator(functionals(fitness={"bad": fitness}), examples=[moment(0.0)])
+
+
+def test_a_fitness_that_gives_a_number_on_one_example_is_used():
+    evaluate = FunctionalEvaluator(
+        functionals(fitness={"log": lambda info: math.log(x_of(info))}),
+        examples=[moment(0.0), moment(1.0)],
+    )
+
+    assert evaluate.fitness_names == ("log",)
+    assert evaluate.dropped == ()
+
+
+def test_without_examples_nothing_can_be_tried():
+    with pytest.raises(FunctionalError, match="at least one example moment of the task"):
+        FunctionalEvaluator(functionals(), examples=[])
 
 
 def test_a_quantity_is_measured_on_the_first_example_that_it_can_measure():

@@ -12,6 +12,7 @@ from lqd_search import (
     ObservationLog,
     SchedulerError,
     Values,
+    compete_by_coin,
 )
 
 FIELDS = {"evaluation": ((), np.int64), "expert": ((), np.bool_)}
@@ -383,6 +384,48 @@ def test_a_grid_that_fails_in_the_middle_of_tell_changes_nothing(toy, monkeypatc
     run(scheduler, toy, 1, first=96)
     run(twin, toy, 2, first=64)
     assert state(scheduler) == state(twin)
+
+
+def test_an_error_in_the_middle_of_tell_takes_no_coin(toy, monkeypatch):
+    def tossing():
+        scheduler = new_scheduler(toy, cells=4)
+        scheduler.archive = MultiBDArchive(
+            descriptors=toy.descriptors,
+            solution_dim=toy.dim,
+            extra_fields=FIELDS,
+            competition=compete_by_coin(np.random.default_rng(6)),
+        )
+        return scheduler
+
+    scheduler, twin = tossing(), tossing()
+    run(scheduler, toy, 2)
+    run(twin, toy, 2)
+    solutions = scheduler.ask()
+    values = toy.evaluate(solutions)
+
+    def fail(**_):
+        raise OSError("no space left in this grid")
+
+    monkeypatch.setattr(scheduler.archive.grids["start.flag"], "add", fail)
+    with pytest.raises(OSError, match="no space"):
+        scheduler.tell(solutions, values, evaluation=64)
+    scheduler.tell(solutions, values, evaluation=64)
+    run(scheduler, toy, 3, first=96)
+    run(twin, toy, 4, first=64)
+    assert state(scheduler) == state(twin)
+
+
+def test_it_is_empty_until_it_holds_a_solution_in_a_grid_or_aside(toy):
+    scheduler = two_descriptors(toy, minimum=3)
+    assert scheduler.empty
+    inject(scheduler, values_at([(1, 10)], fitness=[np.nan]), first=0)
+    assert scheduler.empty
+    inject(scheduler, values_at([(2, None)], fitness=[0]), first=1)
+    assert scheduler.archive.empty
+    assert not scheduler.empty
+    inject(scheduler, values_at([(3, None)], fitness=[0]), first=2)
+    assert not scheduler.archive.empty
+    assert not scheduler.empty
 
 
 def test_a_range_learned_in_a_tell_that_fails_is_forgotten(toy, monkeypatch):

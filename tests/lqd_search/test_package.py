@@ -1,5 +1,7 @@
+import ast
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -9,6 +11,22 @@ import lqd_search
 @pytest.mark.parametrize("name", lqd_search.__all__)
 def test_every_public_name_is_there(name):
     assert getattr(lqd_search, name).__name__ == name or name == "Competition"
+
+
+def test_the_three_lists_of_names_agree():
+    tree = ast.parse(Path(lqd_search.__file__).read_text("utf-8"))
+    imported = {
+        node.module.removeprefix("lqd_search."): {alias.name for alias in node.names}
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("lqd_search.")
+    }
+
+    assert imported == {module: set(names) for module, names in lqd_search._HOMES.items()}
+    assert sorted(set().union(*imported.values())) == sorted(lqd_search.__all__)
+
+
+def test_dir_lists_the_public_names():
+    assert set(lqd_search.__all__) <= set(dir(lqd_search))
 
 
 def test_other_names_are_not():
@@ -36,3 +54,25 @@ def test_the_command_says_what_to_install_where_pyribs_is_missing():
         "lqd: Expected the packages of the extra `search`, but ribs is not installed; run "
         "`pip install 'lqd-envs[all]'`.\n"
     )
+
+
+def test_an_interrupt_during_the_imports_is_one_line_and_status_130():
+    code = """
+import sys
+
+class Interrupt:
+    def find_spec(self, name, *_):
+        if name == "ribs":
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupt())
+sys.argv = ["lqd", "--help"]
+from lqd_search.__main__ import main
+main()
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+
+    assert result.returncode == 130
+    assert result.stderr == "lqd: stopped\n"
