@@ -9,7 +9,6 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from lqd_envs import SolutionSpace, Trajectories, get_task, rollout
-from lqd_envs.motion import MotionPlan
 from lqd_envs.rollout import PrepareBatch, simulate
 from lqd_envs.scene import Scene, load_scene
 from lqd_envs.tasks.task import Task
@@ -64,8 +63,8 @@ def measure(task: Task, *, successes: int, touching: int, most: int, seed: int) 
     while drawn < most and _count(found) < successes:
         batch = rollout(task, SolutionSpace().sample(min(_BATCH, most - drawn), rng=rng))
         drawn += len(batch)
-        found.append(_rows(batch, np.flatnonzero(batch.success())))
-        touched.append(_rows(batch, np.flatnonzero(_touches(batch) & batch.valid)))
+        found.append(batch.rows(np.flatnonzero(batch.success())))
+        touched.append(batch.rows(np.flatnonzero(_touches(batch) & batch.valid)))
     scene, fine = load_scene(task), load_scene(task, physics_step=FINE_STEP)
     chosen = list(_first(found, successes))
     compared = list(_first(touched, touching))
@@ -114,15 +113,6 @@ def _toppled(trajectories: Trajectories) -> NDArray[np.bool_]:
     return np.asarray(np.cos(roll) * np.cos(pitch) < np.cos(TOPPLED))
 
 
-def _rows(trajectories: Trajectories, rows: NDArray[np.intp]) -> Trajectories:
-    """Return the chosen motions alone, simulated again: a row does not depend on the others."""
-    plan = trajectories.plan
-    part = MotionPlan(
-        verdicts=plan.verdicts[rows], starts=plan.starts[rows], actions=plan.actions[rows]
-    )
-    return simulate(load_scene(trajectories.task), trajectories.solutions[rows], part)
-
-
 def _count(parts: list[Trajectories]) -> int:
     return sum(len(part) for part in parts)
 
@@ -130,7 +120,7 @@ def _count(parts: list[Trajectories]) -> int:
 def _first(parts: list[Trajectories], n: int) -> Iterator[Trajectories]:
     for part in parts:
         if n and len(part):
-            yield _rows(part, np.arange(min(n, len(part))))
+            yield part.rows(np.arange(min(n, len(part))))
             n -= min(n, len(part))
 
 

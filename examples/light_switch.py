@@ -1,15 +1,14 @@
 """A task of one's own: switch on the light. docs/tutorials/own-task.md explains it."""
 
 # Before mujoco, so that pictures can be drawn without a display.
-from lqd_envs import Columns, GroundTruth, PerceptionSchema, Task, register_task
+from lqd_envs import Columns, GroundTruth, ObjectJoint, PerceptionSchema, Task, register_task
 
 # isort: split
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs.perception import ObjectJoint
-from lqd_envs.scenes.panda import ROBOT_BIT
+from lqd_envs.scenes.parts import dry_joint, solid
 from lqd_envs.scenes.workspace import new_workspace
 from lqd_envs.tasks.nearness import approach_and_progress
 
@@ -28,22 +27,13 @@ def build_light_switch_scene() -> mujoco.MjSpec:
     spec = new_workspace("light switch")
     spec.add_material(name="ivory", rgba=(0.90, 0.88, 0.80, 1.0), specular=0.3, shininess=0.4)
     spec.add_material(name="signal", rgba=(0.85, 0.45, 0.12, 1.0), specular=0.4, shininess=0.4)
-    solid = {
-        "contype": 0,
-        "conaffinity": ROBOT_BIT,
-        "condim": 4,
-        "friction": (0.8, 0.005, 0.0001),
-        "solref": (0.01, 1.0),
-        "group": 2,
-    }
 
     stand = spec.worldbody.add_body(name="stand", pos=(PANEL[0], PANEL[1], 0.0))
     stand.add_geom(
         type=mujoco.mjtGeom.mjGEOM_BOX,
         pos=(0.02, 0.0, 0.12),
         size=(0.02, 0.06, 0.12),
-        material="ivory",
-        **solid,
+        **solid("ivory", friction=0.8),
     )
 
     lever = stand.add_body(name="lever", pos=(0.0, 0.0, PANEL[2]))
@@ -51,13 +41,7 @@ def build_light_switch_scene() -> mujoco.MjSpec:
         name="lever",
         type=mujoco.mjtJoint.mjJNT_HINGE,
         axis=(0.0, 1.0, 0.0),
-        range=(0.0, LEVER_RANGE),
-        limited=True,
-        solref_limit=(0.01, 1.0),
-        solimp_limit=(0.95, 0.999, 0.001, 0.5, 2.0),
-        frictionloss=0.1,
-        solref_friction=(0.01, 1.0),
-        solimp_friction=(0.99, 0.999, 0.001, 0.5, 2.0),
+        **dry_joint(LEVER_RANGE, friction=0.1),
         damping=0.01,
         armature=0.0005,
     )
@@ -68,8 +52,7 @@ def build_light_switch_scene() -> mujoco.MjSpec:
         fromto=(0.0, 0.0, 0.0, *tip),
         size=(0.012, 0.0, 0.0),
         mass=0.03,
-        material="signal",
-        **solid,
+        **solid("signal", friction=0.8),
     )
     lever.add_site(name="lever_tip", pos=tip, group=4)
     return spec

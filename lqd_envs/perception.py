@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,6 +155,22 @@ class Columns:
     gripper_orientation: NDArray[np.float64]
     gripper_contacts: NDArray[np.bool_]
     joint_positions: NDArray[np.float64]
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the eight arrays by key of `Info`, in its order."""
+        return {key: getattr(self, key) for key in Info.__annotations__}
+
+    def rows(self, rows: NDArray[np.intp]) -> "Columns":
+        """Return the chosen motions alone."""
+        chosen = {key: array[rows] for key, array in self.arrays().items()}
+        return Columns(schema=self.schema, **chosen)
+
+    def spread(self, rows: NDArray[np.intp], *, n: int) -> "Columns":
+        """Return n motions of which these are the given rows, and all others zero or False."""
+        spread = {key: np.zeros((n, *a.shape[1:]), a.dtype) for key, a in self.arrays().items()}
+        for key, array in self.arrays().items():
+            spread[key][rows] = array
+        return Columns(schema=self.schema, **spread)
 
     def infos(self, i: int) -> Infos:
         """Return motion `i` as a list of T dictionaries of plain floats, bools and tuples."""

@@ -1,7 +1,6 @@
 """Simulating a batch of motions, with no Python in the physics loop."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -9,7 +8,6 @@ from mujoco.batch import Batch
 from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.motion import MOTION_STEPS, MotionPlan, plan_motions
-from lqd_envs.perception import Columns
 from lqd_envs.scene import Scene, load_scene
 from lqd_envs.solution_space import SolutionSpace
 from lqd_envs.tasks.registry import get_task
@@ -67,24 +65,22 @@ def simulate(
         threads: Threads to use; 0: one for each CPU.
         prepare: Changes the simulations, such as where the object stands, before they run.
     """
+    rows = np.flatnonzero(plan.verdicts == Verdict.VALID)
+    sensordata = np.empty((len(rows), MOTION_STEPS + 1, scene.model.nsensordata))
+    warned = np.empty(len(rows), dtype=bool)
+    for start in range(0, len(rows), _CHUNK):
+        chunk = slice(start, start + _CHUNK)
+        sensordata[chunk], warned[chunk] = _simulate_chunk(
+            scene, plan, rows[chunk], threads=threads, prepare=prepare
+        )
     verdicts = plan.verdicts.copy()
-    rows = np.flatnonzero(verdicts == Verdict.VALID)
-    sensordata = np.zeros((len(solutions), MOTION_STEPS + 1, scene.model.nsensordata))
-    sensordata[..., scene.sensors.slices["gripper_orientation"].start] = 1.0
-    sensordata[..., scene.sensors.slices["object_orientation"].start] = 1.0
-    for chunk in np.split(rows, range(_CHUNK, len(rows), _CHUNK)):
-        if len(chunk):
-            sensordata[chunk], warned = _simulate_chunk(
-                scene, plan, chunk, threads=threads, prepare=prepare
-            )
-            verdicts[chunk[warned]] = Verdict.DIVERGED
-    verdicts = _discard(scene, verdicts, sensordata)
+    verdicts[rows] = _judge(scene, sensordata, warned)
     return Trajectories(
         task=scene.task,
         solutions=solutions,
         plan=plan,
         verdicts=verdicts,
-        columns=_blank_rejected(scene.sensors.columns(sensordata), plan),
+        columns=scene.sensors.columns(sensordata).spread(rows, n=len(solutions)),
     )
 
 
@@ -111,17 +107,10 @@ def _simulate_chunk(
     return record["sensordata"][:, :: scene.substeps], warned
 
 
-def _discard(
-    scene: Scene, verdicts: NDArray[np.uint8], sensordata: NDArray[np.float64]
+def _judge(
+    scene: Scene, sensordata: NDArray[np.float64], warned: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:
     deep = scene.sensors.depth(sensordata).max(axis=1) > DEEPEST_CONTACT
     fast = scene.sensors.speed(sensordata).max(axis=1) > FASTEST_OBJECT
-    still_valid = verdicts == Verdict.VALID
-    causes = np.select([deep, fast], [Verdict.PENETRATING, Verdict.TOO_FAST], Verdict.VALID)
-    return np.where(still_valid, causes, verdicts).astype(np.uint8)
-
-
-def _blank_rejected(columns: Columns, plan: MotionPlan) -> Columns:
-    simulated = plan.verdicts == Verdict.VALID
-    contact = columns.object_table_contact & simulated[:, None]
-    return replace(columns, object_table_contact=contact)
+    causes = [Verdict.DIVERGED, Verdict.PENETRATING, Verdict.TOO_FAST]
+    return np.select([warned, deep, fast], causes, Verdict.VALID).astype(np.uint8)

@@ -40,6 +40,20 @@ class Trajectories:
         """(N,) bool: which motions may be judged."""
         return np.asarray(self.verdicts == Verdict.VALID)
 
+    def rows(self, rows: NDArray[np.intp]) -> "Trajectories":
+        """Return the chosen motions alone."""
+        return Trajectories(
+            task=self.task,
+            solutions=self.solutions[rows],
+            plan=MotionPlan(
+                verdicts=self.plan.verdicts[rows],
+                starts=self.plan.starts[rows],
+                actions=self.plan.actions[rows],
+            ),
+            verdicts=self.verdicts[rows],
+            columns=self.columns.rows(rows),
+        )
+
     def infos(self, i: int) -> Infos:
         """Return motion `i` as the functionals see it: 76 dictionaries, from start to end.
 
@@ -69,21 +83,12 @@ class Trajectories:
         Two motions have the same fingerprint if their infos are equal bit for bit, and else, for
         all that matters, not. A motion that was rejected has 0.
         """
-        columns = (
-            self.columns.object_position,
-            self.columns.object_orientation,
-            self.columns.object_table_contact,
-            self.columns.robot_table_contact,
-            self.columns.gripper_position,
-            self.columns.gripper_orientation,
-            self.columns.gripper_contacts,
-            self.columns.joint_positions,
-        )
+        arrays = self.columns.arrays().values()
         digests = np.zeros(len(self), dtype=np.uint64)
         for i in np.flatnonzero(self.simulated):
             digest = blake2b(digest_size=8)
-            for column in columns:
-                digest.update(column[i].tobytes())
+            for array in arrays:
+                digest.update(array[i].tobytes())
             digests[i] = np.frombuffer(digest.digest(), dtype="<u8")[0]
         return digests
 

@@ -214,8 +214,5 @@ def _examples(task: Task, *, threads: int) -> list[Info]:
     """
     solutions = SolutionSpace().sample(_EXAMPLE_SOLUTIONS, rng=np.random.default_rng(_EXAMPLE_SEED))
     trajectories = rollout(task, solutions, threads=threads)
-    return [
-        info
-        for i in np.flatnonzero(trajectories.valid)
-        for info in (trajectories.infos(int(i))[0], trajectories.infos(int(i))[-1])
-    ]
+    motions = (trajectories.infos(int(i)) for i in np.flatnonzero(trajectories.valid))
+    return [info for infos in motions for info in (infos[0], infos[-1])]
