@@ -8,7 +8,7 @@ import numpy as np
 
 from lqd_envs import PAPER_TASKS, SolutionSpace, rollout
 from lqd_envs.tasks.task import Task
-from lqd_search.replay import replay
+from lqd_search.runs.replay import replay
 
 
 def picture_task(task: Task, *, folder: Path, seed: int, solutions: int) -> tuple[Path, Path]:

@@ -8,29 +8,33 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from lqd_search.archive_fields import ArchiveError, ArchiveFields
-    from lqd_search.competition import (
+    from lqd_search.archives.archive_fields import ArchiveError, ArchiveFields
+    from lqd_search.archives.competition import (
         Candidates,
         Competition,
         Incumbents,
         compete_by_coin,
         compete_by_fitness,
     )
-    from lqd_search.descriptor_ranges import DescriptorRanges, ObservationError, ObservationLog
-    from lqd_search.elites import Elites
-    from lqd_search.exploration_budget import BudgetError, ExplorationBudget
-    from lqd_search.fitness_exploration import LanguageDrivenQD
-    from lqd_search.functionals import FunctionalError, FunctionalEvaluator, Functionals
-    from lqd_search.grid_spec import GridSpec, GridSpecError, learn_grid_spec
-    from lqd_search.mes_emitter import MESEmitter
-    from lqd_search.method import Method, MethodError, SolutionSpace
-    from lqd_search.motion_evaluator import MotionEvaluator, passive_fields
-    from lqd_search.multi_bd_archive import MultiBDArchive
-    from lqd_search.multi_bd_scheduler import MultiBDScheduler, SchedulerError
-    from lqd_search.run_folder import RunFolder, RunFolderError
-    from lqd_search.selection import SelectionError, select_parents
-    from lqd_search.stored_archive import StoredArchive, StoredArchiveError, StoredGrid
-    from lqd_search.values import Refusal, Values, ValuesError
+    from lqd_search.archives.descriptor_ranges import (
+        DescriptorRanges,
+        ObservationError,
+        ObservationLog,
+    )
+    from lqd_search.archives.elites import Elites
+    from lqd_search.archives.grid_spec import GridSpec, GridSpecError, learn_grid_spec
+    from lqd_search.archives.multi_bd_archive import MultiBDArchive
+    from lqd_search.emitters.mes_emitter import MESEmitter
+    from lqd_search.emitters.selection import SelectionError, select_parents
+    from lqd_search.evaluation.functionals import FunctionalError, FunctionalEvaluator, Functionals
+    from lqd_search.evaluation.motion_evaluator import MotionEvaluator, passive_fields
+    from lqd_search.evaluation.values import Refusal, Values, ValuesError
+    from lqd_search.methods.exploration_budget import BudgetError, ExplorationBudget
+    from lqd_search.methods.fitness_exploration import LanguageDrivenQD
+    from lqd_search.methods.method import Method, MethodError, SolutionSpace
+    from lqd_search.runs.run_folder import RunFolder, RunFolderError
+    from lqd_search.runs.stored_archive import StoredArchive, StoredArchiveError, StoredGrid
+    from lqd_search.schedulers.multi_bd_scheduler import MultiBDScheduler, SchedulerError
 
 __all__ = [
     "ArchiveError",
@@ -75,29 +79,29 @@ __all__ = [
 ]
 
 _HOMES = {
-    "archive_fields": ("ArchiveError", "ArchiveFields"),
-    "competition": (
+    "archives.archive_fields": ("ArchiveError", "ArchiveFields"),
+    "archives.competition": (
         "Candidates",
         "Competition",
         "Incumbents",
         "compete_by_coin",
         "compete_by_fitness",
     ),
-    "descriptor_ranges": ("DescriptorRanges", "ObservationError", "ObservationLog"),
-    "elites": ("Elites",),
-    "exploration_budget": ("BudgetError", "ExplorationBudget"),
-    "fitness_exploration": ("LanguageDrivenQD",),
-    "functionals": ("FunctionalError", "FunctionalEvaluator", "Functionals"),
-    "grid_spec": ("GridSpec", "GridSpecError", "learn_grid_spec"),
-    "mes_emitter": ("MESEmitter",),
-    "method": ("Method", "MethodError", "SolutionSpace"),
-    "motion_evaluator": ("MotionEvaluator", "passive_fields"),
-    "multi_bd_archive": ("MultiBDArchive",),
-    "multi_bd_scheduler": ("MultiBDScheduler", "SchedulerError"),
-    "run_folder": ("RunFolder", "RunFolderError"),
-    "selection": ("SelectionError", "select_parents"),
-    "stored_archive": ("StoredArchive", "StoredArchiveError", "StoredGrid"),
-    "values": ("Refusal", "Values", "ValuesError"),
+    "archives.descriptor_ranges": ("DescriptorRanges", "ObservationError", "ObservationLog"),
+    "archives.elites": ("Elites",),
+    "methods.exploration_budget": ("BudgetError", "ExplorationBudget"),
+    "methods.fitness_exploration": ("LanguageDrivenQD",),
+    "evaluation.functionals": ("FunctionalError", "FunctionalEvaluator", "Functionals"),
+    "archives.grid_spec": ("GridSpec", "GridSpecError", "learn_grid_spec"),
+    "emitters.mes_emitter": ("MESEmitter",),
+    "methods.method": ("Method", "MethodError", "SolutionSpace"),
+    "evaluation.motion_evaluator": ("MotionEvaluator", "passive_fields"),
+    "archives.multi_bd_archive": ("MultiBDArchive",),
+    "schedulers.multi_bd_scheduler": ("MultiBDScheduler", "SchedulerError"),
+    "runs.run_folder": ("RunFolder", "RunFolderError"),
+    "emitters.selection": ("SelectionError", "select_parents"),
+    "runs.stored_archive": ("StoredArchive", "StoredArchiveError", "StoredGrid"),
+    "evaluation.values": ("Refusal", "Values", "ValuesError"),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_search.method import Method
-from lqd_search.values import Values
+from lqd_search.evaluation.values import Values
+from lqd_search.methods.method import Method
 
 Evaluate = Callable[[NDArray[np.float64]], Values]
 """Turns (N, dim) solutions into their values."""

@@ -13,8 +13,8 @@ from rich.progress import (
 )
 from rich.table import Column
 
-from lqd_search.metrics import Metrics
-from lqd_search.values import Refusal
+from lqd_search.evaluation.values import Refusal
+from lqd_search.runs.metrics import Metrics
 
 _BAR_WIDTH = 24
 _WIDE_ENOUGH_FOR_A_BAR = 110

@@ -9,10 +9,10 @@ import numpy as np
 from lqd_envs import LQDError, get_task
 from lqd_envs.rendering_backend import has_display
 from lqd_search.cli.video import check_video_path, write_video
-from lqd_search.replay import Replay, replay
-from lqd_search.run_config import RunConfig
-from lqd_search.run_folder import RunFolder
-from lqd_search.stored_archive import StoredArchive
+from lqd_search.runs.replay import Replay, replay
+from lqd_search.runs.run_config import RunConfig
+from lqd_search.runs.run_folder import RunFolder
+from lqd_search.runs.stored_archive import StoredArchive
 
 _DIFFERENT = 1
 

@@ -9,12 +9,12 @@ import numpy as np
 from lqd_envs import Info, LQDError, SolutionSpace, Task, get_task, rollout
 from lqd_search.cli.progress import RunProgress
 from lqd_search.cli.table import print_summary
-from lqd_search.fitness_exploration import LanguageDrivenQD
-from lqd_search.functionals import FunctionalEvaluator, Functionals
-from lqd_search.motion_evaluator import MotionEvaluator, passive_fields
-from lqd_search.run_config import RunConfig
-from lqd_search.run_folder import FunctionText, RunFolder, default_path, refuse_existing
-from lqd_search.run_recorder import RunRecorder
+from lqd_search.evaluation.functionals import FunctionalEvaluator, Functionals
+from lqd_search.evaluation.motion_evaluator import MotionEvaluator, passive_fields
+from lqd_search.methods.fitness_exploration import LanguageDrivenQD
+from lqd_search.runs.run_config import RunConfig
+from lqd_search.runs.run_folder import FunctionText, RunFolder, default_path, refuse_existing
+from lqd_search.runs.run_recorder import RunRecorder
 from lqd_search.search import search
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from lqd_search.cli.table import print_summary
-from lqd_search.run_folder import RunFolder
+from lqd_search.runs.run_folder import RunFolder
 
 
 @click.command("show", short_help="Show a run's figures.")

@@ -6,7 +6,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from lqd_search.summary import Summary
+from lqd_search.runs.summary import Summary
 
 
 def print_summary(summary: Summary) -> None:

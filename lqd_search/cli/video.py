@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lqd_envs import LQDError
-from lqd_search.replay import Frame
+from lqd_search.runs.replay import Frame
 
 _FRAMES_PER_SECOND = 50
 

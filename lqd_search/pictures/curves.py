@@ -5,8 +5,8 @@ from itertools import pairwise
 
 from matplotlib.axes import Axes
 
-from lqd_search.metrics import Metrics
 from lqd_search.pictures.figure import new_figure, png
+from lqd_search.runs.metrics import Metrics
 
 
 def draw_curves(metrics: Sequence[Metrics], *, title: str) -> bytes:

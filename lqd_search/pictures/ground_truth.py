@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lqd_envs import GroundTruth
 from lqd_search.pictures.figure import SUCCESS_COLORS, new_figure, png
-from lqd_search.success_archive import SuccessArchive
+from lqd_search.runs.success_archive import SuccessArchive
 
 
 def draw_ground_truth(ground_truth: GroundTruth, successes: SuccessArchive) -> bytes:

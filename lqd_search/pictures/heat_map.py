@@ -10,7 +10,7 @@ from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
 from lqd_search.pictures.figure import FAILURE_COLOR, SUCCESS_COLORS, new_figure, png
-from lqd_search.stored_archive import StoredGrid
+from lqd_search.runs.stored_archive import StoredGrid
 
 
 def draw_heat_map(name: str, grid: StoredGrid, *, fields: Mapping[str, NDArray[Any]]) -> bytes:

@@ -14,8 +14,8 @@ from lqd_envs import rollout
 from lqd_llm import FunctionSource, build_function
 from lqd_search.cli.main import lqd, main
 from lqd_search.cli.run import default_batch_size
-from lqd_search.replay import replay
-from lqd_search.stored_archive import StoredArchive
+from lqd_search.runs.replay import replay
+from lqd_search.runs.stored_archive import StoredArchive
 
 SIZE = ("--evaluations", "640", "--batch-size", "32")
 

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from lqd_envs import GroundTruth, get_task
-from lqd_search.grid_spec import GridSpec
-from lqd_search.metrics import Metrics
+from lqd_search.archives.grid_spec import GridSpec
 from lqd_search.pictures import draw_curves, draw_ground_truth, draw_heat_map
-from lqd_search.stored_archive import StoredGrid
-from lqd_search.success_archive import SuccessArchive
+from lqd_search.runs.metrics import Metrics
+from lqd_search.runs.stored_archive import StoredGrid
+from lqd_search.runs.success_archive import SuccessArchive
 
 
 def pixels(png: bytes):

@@ -4,8 +4,8 @@ import pytest
 from rich.console import Console
 
 from lqd_search.cli.progress import RunProgress
-from lqd_search.metrics import Metrics
-from lqd_search.values import Refusal
+from lqd_search.evaluation.values import Refusal
+from lqd_search.runs.metrics import Metrics
 
 LONGEST_STAGE = "exploring the_nearness_of_the_gripper_to_the_hot_tap (1 of 3)"
 

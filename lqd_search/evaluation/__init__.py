@@ -1,0 +1,1 @@
+"""From solutions to values: functionals, simulation, and where they run."""

@@ -1,0 +1,78 @@
+"""From solutions to values: simulate, judge, and note what only a report may know."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from ribs.typing import FieldDesc
+
+from lqd_envs import Infos, Task, Trajectories, rollout
+from lqd_search.evaluation.functionals import FunctionalEvaluator
+from lqd_search.evaluation.values import Values
+
+EXPERT = "expert"
+"""Passive column: (N,) bool, the expert's verdict."""
+GROUND_TRUTH = "ground_truth"
+"""Passive column: (N, d) float64, the ground-truth measures; NaN where undefined."""
+DIGEST = "digest"
+"""Passive column: (N,) uint64, a fingerprint of the motion's perception."""
+VERDICT = "verdict"
+"""Passive column: (N,) uint8, an `lqd_envs.Verdict` each."""
+
+
+def passive_fields(task: Task) -> FieldDesc:
+    """Return the passive columns that are stored with each elite, in pyribs' form.
+
+    Pass them as the `passive_fields` of a `LanguageDrivenQD` that is told the values of a
+    `MotionEvaluator`, and the archive will say which of its elites the expert approves.
+
+    Args:
+        task: The task.
+    """
+    return {
+        EXPERT: ((), np.bool_),
+        GROUND_TRUTH: ((len(task.ground_truth.dims),), np.float64),
+        DIGEST: ((), np.uint64),
+    }
+
+
+@dataclass(frozen=True)
+class MotionEvaluator:
+    """Simulates solutions in a task and judges them by functionals.
+
+    The functionals see the motions' infos and nothing else; the expert's verdict and the
+    ground-truth measures are added afterwards, as passive columns that no search reads. A method is
+    asked for solutions and told their values until it is done:
+
+        while not method.done:
+            method.tell(evaluate(method.ask()))
+
+    Attributes:
+        task: The task.
+        functionals: Turns the valid motions into values.
+        threads: Threads to simulate on; 0: one for each CPU. The values do not depend on it.
+    """
+
+    task: Task
+    functionals: FunctionalEvaluator
+    threads: int = 0
+
+    def __call__(self, solutions: NDArray[np.float64]) -> Values:
+        """Evaluate (N, 9) solutions; the values carry the four passive columns."""
+        trajectories = rollout(self.task, solutions, threads=self.threads)
+        values = self.functionals(_motions(trajectories), valid=trajectories.valid)
+        return replace(
+            values,
+            passive={
+                EXPERT: trajectories.success(),
+                GROUND_TRUTH: trajectories.ground_truth(),
+                DIGEST: trajectories.digests(),
+                VERDICT: trajectories.verdicts,
+            },
+        )
+
+
+def _motions(trajectories: Trajectories) -> Iterator[tuple[int, Infos]]:
+    for i in np.flatnonzero(trajectories.valid):
+        yield int(i), trajectories.infos(int(i))

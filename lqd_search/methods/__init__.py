@@ -1,0 +1,1 @@
+"""Whole searches behind one ask/tell interface."""

@@ -1,0 +1,96 @@
+"""The figures of one generation: a row of `metrics.csv`."""
+
+from dataclasses import dataclass
+
+from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.runs.success_archive import SuccessArchive
+from lqd_search.runs.tally import Tally
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """Where a run stands after a generation.
+
+    The counts run over the whole run; the archive's figures are those of the archive that is
+    being filled, which starts anew with each short run of the fitness exploration.
+
+    Attributes:
+        generation: Number of the generation, from 1.
+        stage: What the method was doing.
+        evaluations: Evaluations so far.
+        valid: Motions so far that were judged.
+        rejected: Motions so far that failed before simulation.
+        discarded: Motions so far that failed in simulation.
+        refused: Values of functionals so far that were refused.
+        inferred_successes: Motions so far that the inferred condition approved.
+        expert_successes: Motions so far that the expert's condition approved.
+        archive_size: Distinct elites in the archive.
+        inferred_archive_size: Those of them that the inferred condition approves.
+        success_archive_size: Those of them that the expert's condition approves.
+        ground_truth_cells: Cells of the ground-truth grid that these fill.
+        coverage: Share of cells that are filled, mean over the grids.
+        clipped: Measures so far that were clipped to an edge cell of the present grids.
+        seconds: Time since the run began, in s.
+    """
+
+    generation: int
+    stage: str
+    evaluations: int
+    valid: int
+    rejected: int
+    discarded: int
+    refused: int
+    inferred_successes: int
+    expert_successes: int
+    archive_size: int
+    inferred_archive_size: int
+    success_archive_size: int
+    ground_truth_cells: int
+    coverage: float
+    clipped: int
+    seconds: float
+
+
+def measure_generation(
+    *,
+    generation: int,
+    stage: str,
+    tally: Tally,
+    archive: MultiBDArchive,
+    successes: SuccessArchive,
+    seconds: float,
+) -> Metrics:
+    """Return the figures of a run after a generation.
+
+    Args:
+        generation: Number of the generation, from 1.
+        stage: What the method was doing.
+        tally: The run's counts.
+        archive: The archive that is being filled.
+        successes: What of it the expert approves.
+        seconds: Time since the run began.
+    """
+    return Metrics(
+        generation=generation,
+        stage=stage,
+        evaluations=tally.evaluations,
+        valid=tally.valid,
+        rejected=sum(tally.rejected.values()),
+        discarded=sum(tally.discarded.values()),
+        refused=tally.refused,
+        inferred_successes=tally.inferred_successes,
+        expert_successes=tally.expert_successes,
+        archive_size=successes.elites,
+        inferred_archive_size=successes.inferred,
+        success_archive_size=successes.size,
+        ground_truth_cells=len(successes.cells),
+        coverage=mean_coverage(archive),
+        clipped=sum(archive.clipped.values()),
+        seconds=seconds,
+    )
+
+
+def mean_coverage(archive: MultiBDArchive) -> float:
+    """Return the share of filled cells, mean over the grids; 0 where there is none."""
+    shares = [len(grid) / grid.cells for grid in archive.grids.values()]
+    return float(sum(shares) / len(shares)) if shares else 0.0

@@ -1,0 +1,76 @@
+"""What a run was asked to do, and with what: enough to do it again."""
+
+import json
+import platform
+from dataclasses import asdict, dataclass, field, fields
+from importlib.metadata import version
+from typing import Any
+
+from lqd_search.runs.json_form import check_form
+
+RUN_FORMAT = 1
+"""Version of the run folder's layout; a reader refuses one that it does not know."""
+
+_PACKAGES = ("lqd-envs", "gymnasium", "gymnasium-robotics", "mujoco", "numpy", "ribs", "scipy")
+
+
+def installed_versions() -> dict[str, str]:
+    """Return the versions of Python and of every package whose version can change a result."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """A run's configuration, as it stands in `config.json`.
+
+    Attributes:
+        task: Id of the task.
+        instruction: The sentence that the language model was given.
+        method: Name of the method.
+        seed: Seed of everything random.
+        sample: Which recorded sample of the model's replies.
+        evaluations: Evaluations to spend.
+        batch_size: Solutions in a generation.
+        prompt_hashes: For each kind of inference, the hash of its prompts.
+        model: The model that wrote the functionals, as far as it is known.
+        provenance: How its replies were taken.
+        dropped: One sentence for each function of the replies that is not used.
+        versions: Of Python and of the packages.
+        format: Version of the run folder's layout.
+    """
+
+    task: str
+    instruction: str
+    method: str
+    seed: int
+    sample: int
+    evaluations: int
+    batch_size: int
+    prompt_hashes: dict[str, str]
+    model: str
+    provenance: str
+    dropped: tuple[str, ...]
+    versions: dict[str, str] = field(default_factory=installed_versions)
+    format: int = RUN_FORMAT
+
+    def to_json(self) -> str:
+        """Return the text of `config.json`."""
+        return json.dumps(asdict(self), indent=2) + "\n"
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "RunConfig":
+        """Return the configuration that was written; keys that it does not know are left out.
+
+        Raises:
+            FormError: A key is missing, or its value is of another type.
+        """
+        check_form(data, cls)
+        known = {column.name: data[column.name] for column in fields(cls)}
+        return cls(**{**known, "dropped": tuple(known["dropped"])})
+
+    def changed_versions(self) -> dict[str, tuple[str, str]]:
+        """Return which versions are others here: for each its name, the run's and this one's."""
+        here = installed_versions()
+        names = [*self.versions, *(name for name in here if name not in self.versions)]
+        pairs = {name: (self.versions.get(name, "none"), here.get(name, "none")) for name in names}
+        return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}

@@ -1,0 +1,150 @@
+"""The figures of a finished run, as `lqd show` prints them."""
+
+from typing import Any, TypedDict
+
+from lqd_search.methods.fitness_exploration import LanguageDrivenQD
+from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.runs.run_config import RunConfig
+from lqd_search.runs.success_archive import SuccessArchive
+from lqd_search.runs.tally import Tally
+
+
+class Confusion(TypedDict):
+    """Valid motions by the conditions that approved them."""
+
+    both: int
+    inferred_only: int
+    expert_only: int
+    neither: int
+
+
+class GridFigures(TypedDict):
+    """The figures of one grid."""
+
+    name: str
+    dims: list[int]
+    ranges: list[list[float]]
+    filled: int
+    successes: int
+    coverage: float
+    clipped: int
+
+
+class RefusalFigures(TypedDict):
+    """How often a functional's value was refused for one reason."""
+
+    kind: str
+    functional: str
+    reason: str
+    count: int
+
+
+class Summary(TypedDict):
+    """The contents of `summary.json`; docs/run-folder.md describes its keys."""
+
+    task: str
+    method: str
+    seed: int
+    sample: int
+    evaluations: int
+    batch_size: int
+    rejected: dict[str, int]
+    discarded: dict[str, int]
+    valid: int
+    inferred_successes: int
+    expert_successes: int
+    confusion: Confusion
+    archive_size: int
+    inferred_archive_size: int
+    success_archive_size: int
+    ground_truth_cells: int
+    ground_truth_outside: int
+    exploration: dict[str, int]
+    chosen_fitness: str | None
+    grids: list[GridFigures]
+    waiting_descriptors: list[str]
+    refused: list[RefusalFigures]
+    dropped: list[str]
+    model: str
+    provenance: str
+    seconds: float
+    versions: dict[str, str]
+
+
+def summarize(
+    *,
+    config: RunConfig,
+    method: LanguageDrivenQD,
+    tally: Tally,
+    successes: SuccessArchive,
+    seconds: float,
+) -> Summary:
+    """Return the figures of a run as plain numbers and strings.
+
+    Args:
+        config: What the run was asked to do.
+        method: The method, done.
+        tally: The run's counts.
+        successes: What of its output the expert approves.
+        seconds: How long the run took.
+    """
+    archive = method.archive
+    return {
+        "task": config.task,
+        "method": config.method,
+        "seed": config.seed,
+        "sample": config.sample,
+        "evaluations": tally.evaluations,
+        "batch_size": config.batch_size,
+        "rejected": tally.rejected,
+        "discarded": tally.discarded,
+        "valid": tally.valid,
+        "inferred_successes": tally.inferred_successes,
+        "expert_successes": tally.expert_successes,
+        "confusion": _confusion(tally),
+        "archive_size": successes.elites,
+        "inferred_archive_size": successes.inferred,
+        "success_archive_size": successes.size,
+        "ground_truth_cells": len(successes.cells),
+        "ground_truth_outside": successes.outside,
+        "exploration": dict(method.exploration),
+        "chosen_fitness": method.chosen,
+        "grids": [_grid(archive, name) for name in archive.grids],
+        "waiting_descriptors": [n for n in archive.descriptors if n not in archive.grids],
+        "refused": _refused(tally),
+        "dropped": list(config.dropped),
+        "model": config.model,
+        "provenance": config.provenance,
+        "seconds": seconds,
+        "versions": dict(config.versions),
+    }
+
+
+def _confusion(tally: Tally) -> Confusion:
+    return {
+        "both": tally.confusion[True][True],
+        "inferred_only": tally.confusion[False][True],
+        "expert_only": tally.confusion[True][False],
+        "neither": tally.confusion[False][False],
+    }
+
+
+def _grid(archive: MultiBDArchive, name: str) -> GridFigures:
+    grid = archive.grids[name]
+    spec: dict[str, Any] = archive.specs[name].to_dict()
+    return {
+        "name": name,
+        "dims": spec["dims"],
+        "ranges": spec["ranges"],
+        "filled": len(grid),
+        "successes": int(grid.data("success").sum()),
+        "coverage": len(grid) / int(grid.cells),
+        "clipped": archive.clipped[name],
+    }
+
+
+def _refused(tally: Tally) -> list[RefusalFigures]:
+    return [
+        {"kind": kind, "functional": functional, "reason": reason, "count": count}
+        for (kind, functional, reason), count in sorted(tally.refusals.items())
+    ]

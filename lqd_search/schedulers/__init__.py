@@ -1,0 +1,1 @@
+"""What joins emitters and an archive."""

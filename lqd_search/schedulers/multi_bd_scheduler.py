@@ -1,0 +1,264 @@
+"""The scheduler of the multi-BD search: parents from every grid, children to every grid."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from ribs.typing import BatchData
+
+from lqd_envs.errors import LQDError
+from lqd_search.archives.descriptor_ranges import DescriptorRanges, ObservationLog
+from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.emitters.mes_emitter import MESEmitter
+from lqd_search.evaluation.values import Values
+from lqd_search.methods.method import SolutionSpace
+
+
+class SchedulerError(LQDError):
+    """The scheduler was called out of turn, or with what does not fit."""
+
+
+class MultiBDScheduler:
+    """Selects parents from every grid and offers every evaluated solution to every grid.
+
+    One run of multi-BD MAP-Elites Success with one fitness. A descriptor whose range is not known
+    yet has no grid; its solutions are kept aside, and are offered to it, before the batch that
+    made its range known, as soon as it is. An error in `tell` leaves all as it was before.
+
+    Args:
+        archive: Where the solutions go; it stores the extra field `evaluation`, and any other
+            extra field is a passive column of the values.
+        space: Where solutions come from.
+        ranges: What is known of the descriptors' ranges.
+        fitness: Name of the fitness that is the objective.
+        batch_size: Number of solutions in a generation.
+        rng: Samples, selects and mutates.
+
+    Attributes:
+        archive: The archive; another one after `relearn_ranges`.
+        ranges: What is known now of the descriptors' ranges.
+        fitness: Name of the fitness.
+
+    Raises:
+        SchedulerError: The archive has no field `evaluation`, or other descriptors than `ranges`.
+    """
+
+    def __init__(
+        self,
+        archive: MultiBDArchive,
+        space: SolutionSpace,
+        *,
+        ranges: DescriptorRanges,
+        fitness: str,
+        batch_size: int,
+        rng: np.random.Generator,
+    ) -> None:
+        if "evaluation" not in archive.field_list:
+            raise SchedulerError(
+                "Expected an archive with the extra field 'evaluation', but it has "
+                f"{', '.join(archive.field_list)}; add it, with shape () and dtype int64."
+            )
+        if list(archive.descriptors.items()) != list(ranges.descriptors.items()):
+            raise SchedulerError(
+                f"Expected ranges of the archive's descriptors, {dict(archive.descriptors)}, but "
+                f"got those of {dict(ranges.descriptors)}."
+            )
+        self.archive = archive
+        self.ranges = ranges
+        self.fitness = fitness
+        self._space = space
+        self._batch_size = batch_size
+        self._rng = rng
+        self._asked: int | None = None
+        self._aside: dict[str, BatchData] = {}
+        for name, spec in ranges.specs.items():
+            if archive.specs.get(name) != spec:
+                archive.set_grid(name, spec)
+
+    @property
+    def empty(self) -> bool:
+        """Whether it holds no solution, neither in a grid nor kept aside."""
+        aside = any(len(batch["solution"]) for batch in self._aside.values())
+        return self.archive.empty and not aside
+
+    def ask(self, n: int | None = None) -> NDArray[np.float64]:
+        """Make the next generation.
+
+        While every grid is empty it is uniformly random. Otherwise the grids with elites share it
+        evenly; what does not divide goes to the first of them, in the descriptors' order.
+
+        Args:
+            n: Number of solutions, if not the batch size.
+
+        Returns:
+            (n, dim) float64.
+
+        Raises:
+            SchedulerError: The generation before has not been told yet.
+        """
+        if self._asked is not None:
+            raise SchedulerError(
+                f"Expected the values of the {self._asked} solutions asked for last, but was asked "
+                "for more; call tell first."
+            )
+        size = self._batch_size if n is None else n
+        names = [name for name, grid in self.archive.grids.items() if not grid.empty]
+        if not names:
+            solutions = self._space.sample(size, rng=self._rng)
+        else:
+            share, rest = divmod(size, len(names))
+            emitters = [MESEmitter(self.archive, name, self._space) for name in names]
+            solutions = np.concatenate(
+                [
+                    emitter.ask(share + (i < rest), rng=self._rng)
+                    for i, emitter in enumerate(emitters)
+                ]
+            )
+        self._asked = size
+        return solutions
+
+    def tell(
+        self,
+        solutions: NDArray[np.float64],
+        values: Values,
+        *,
+        evaluation: int | NDArray[np.integer],
+    ) -> None:
+        """Take what the solutions asked for came to, as `inject` takes it.
+
+        Raises:
+            SchedulerError: As from `inject`, or nothing was asked for, or another number of
+                solutions.
+            ArchiveError: As from `inject`.
+        """
+        if self._asked is None:
+            raise SchedulerError("Expected a call of ask before tell; to tell more, use inject.")
+        if len(solutions) != self._asked:
+            raise SchedulerError(
+                f"Expected the {self._asked} solutions asked for, but got {len(solutions)}."
+            )
+        self.inject(solutions, values, evaluation=evaluation)
+        self._asked = None
+
+    def inject(
+        self,
+        solutions: NDArray[np.float64],
+        values: Values,
+        *,
+        evaluation: int | NDArray[np.integer],
+    ) -> None:
+        """Take solutions that were not asked for, such as a first batch shared by several runs.
+
+        Args:
+            solutions: (N, dim) float64.
+            values: What they came to, among it the scheduler's fitness and every descriptor.
+            evaluation: Their (N,) ids, or the first of N successive ones.
+
+        Raises:
+            SchedulerError: Another number of values than of solutions, or a column is missing.
+            ArchiveError: A column does not fit the archive.
+        """
+        batch = self._offerable(solutions, values, np.asarray(evaluation))
+        ranges = self.ranges.observe(
+            {name: values.measures[name][values.valid] for name in self.archive.descriptors}
+        )
+        learned = [name for name in self.ranges.waiting if name in ranges.specs]
+        aside = {name: self._kept_aside(name, batch) for name in ranges.waiting}
+        complete = False
+        try:
+            for name in learned:
+                self.archive.set_grid(name, ranges.specs[name])
+            early = [self._aside[name] for name in learned if name in self._aside]
+            self.archive.add(**_stack([*early, batch]))
+            complete = True
+        finally:
+            if not complete:
+                for name in learned:
+                    self.archive.drop_grid(name)
+        self.ranges, self._aside = ranges, aside
+
+    def relearn_ranges(self, log: ObservationLog) -> None:
+        """Learn the ranges again from everything observed, and rebuild the grids accordingly.
+
+        The elites compete anew, in the order of their evaluation, for the cells of the new grids.
+
+        Args:
+            log: Has the measures of every elite.
+
+        Raises:
+            ObservationError: An elite's evaluation is not in the log.
+        """
+        ranges = self.ranges.relearn(log)
+        archive = self.archive.emptied()
+        for name, spec in ranges.specs.items():
+            archive.set_grid(name, spec)
+        elites = self.archive.elites().fields
+        measures = log.measures(elites["evaluation"])
+        # Whatever is defined for a descriptor that waited was kept aside, the elites included.
+        measures |= {name: np.full_like(measures[name], np.nan) for name in self.ranges.waiting}
+        aside = [self._aside[name] for name in self._aside if name in ranges.specs]
+        archive.add(**_stack([*aside, {**elites, "measures": self._side_by_side(measures)}]))
+        self.archive, self.ranges = archive, ranges
+        self._aside = {name: self._aside[name] for name in ranges.waiting if name in self._aside}
+
+    def _offerable(
+        self, solutions: NDArray[np.float64], values: Values, evaluation: NDArray[np.integer]
+    ) -> BatchData:
+        if len(values) != len(solutions):
+            raise SchedulerError(
+                f"Expected the values of {len(solutions)} solutions, but got {len(values)}."
+            )
+        passive = [name for name in self.archive.fields.extra if name != "evaluation"]
+        _check_names("fitness", [self.fitness], values.fitness)
+        _check_names("measures", self.archive.descriptors, values.measures)
+        _check_names("passive column", passive, values.passive)
+        if evaluation.ndim == 0:
+            evaluation = evaluation + np.arange(len(solutions))
+        if evaluation.shape != (len(solutions),):
+            raise SchedulerError(
+                f"Expected one evaluation id, or {len(solutions)} of them, but got shape "
+                f"{evaluation.shape}."
+            )
+        objective = values.fitness[self.fitness]
+        rows = values.valid & np.isfinite(objective)
+        columns = {
+            "solution": solutions[rows],
+            "objective": objective[rows],
+            "measures": self._side_by_side(values.measures)[rows],
+            "success": values.success[rows],
+            "evaluation": evaluation[rows],
+        }
+        return self.archive.fields.check(
+            columns | {name: values.passive[name][rows] for name in passive}
+        )
+
+    def _kept_aside(self, name: str, batch: BatchData) -> BatchData:
+        block = self.archive.fields.columns_of(name)
+        rows = ~np.isnan(batch["measures"][:, block.start])
+        own = np.full_like(batch["measures"][rows], np.nan)
+        own[:, block] = batch["measures"][rows, block]
+        kept = {field: column[rows] for field, column in batch.items()} | {"measures": own}
+        return _stack([self._aside[name], kept]) if name in self._aside else kept
+
+    def _side_by_side(self, measures: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+        for name, length in self.archive.descriptors.items():
+            if measures[name].shape[1] != length:
+                raise SchedulerError(
+                    f"Expected {length} measures of descriptor {name!r}, but got "
+                    f"{measures[name].shape[1]}."
+                )
+        return np.concatenate([measures[name] for name in self.archive.descriptors], axis=1)
+
+
+def _stack(batches: list[BatchData]) -> BatchData:
+    return {name: np.concatenate([batch[name] for batch in batches]) for name in batches[-1]}
+
+
+def _check_names(kind: str, wanted: Iterable[str], there: Mapping[str, Any]) -> None:
+    for name in wanted:
+        if name not in there:
+            raise SchedulerError(
+                f"Expected the {kind} {name!r} among the values, but there are only "
+                f"{', '.join(there) or 'none'}."
+            )

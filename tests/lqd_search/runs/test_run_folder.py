@@ -1,0 +1,242 @@
+import csv
+import json
+import shutil
+from dataclasses import replace
+
+import pytest
+
+from lqd_search.runs.metrics import Metrics
+from lqd_search.runs.run_config import RunConfig
+from lqd_search.runs.run_folder import FunctionText, RunFolder, RunFolderError, refuse_existing
+
+
+def config() -> RunConfig:
+    return RunConfig(
+        task="LQD/Faucet-v0",
+        instruction="Turn on the hot water",
+        method="ours",
+        seed=3,
+        sample=1,
+        evaluations=640,
+        batch_size=32,
+        prompt_hashes={"success": "abc"},
+        model="none",
+        provenance="written by hand",
+        dropped=("one sentence",),
+    )
+
+
+def metrics(generation: int) -> Metrics:
+    return Metrics(
+        generation=generation,
+        stage="first batch",
+        evaluations=32 * generation,
+        valid=10,
+        rejected=20,
+        discarded=2,
+        refused=0,
+        inferred_successes=1,
+        expert_successes=2,
+        archive_size=10,
+        inferred_archive_size=1,
+        success_archive_size=2,
+        ground_truth_cells=2,
+        coverage=0.25,
+        clipped=0,
+        seconds=1.5,
+    )
+
+
+SUCCESS = FunctionText("success", "success", "Whether\nit is done.", "def success(infos): ...\n")
+FITNESS = FunctionText("fitness", "nearness", "How near.", "def fitness(info):\n    return 0.0\n\n")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return RunFolder.create(
+        tmp_path / "runs" / "one", config=config(), functionals=[SUCCESS, FITNESS]
+    )
+
+
+def test_the_configuration_survives(folder):
+    assert RunFolder.open(folder.path).config() == config()
+
+
+def test_versions_of_all_that_can_change_a_result_are_kept(folder):
+    versions = json.loads((folder.path / "config.json").read_text())["versions"]
+
+    assert set(versions) >= {"python", "mujoco", "numpy", "ribs", "gymnasium-robotics", "scipy"}
+
+
+def test_functionals_are_kept_as_text(folder):
+    files = {file.name: file.read_text() for file in (folder.path / "functionals").iterdir()}
+
+    assert files == {
+        "success.py": "# Whether it is done.\ndef success(infos): ...\n",
+        "fitness.nearness.py": "# How near.\ndef fitness(info):\n    return 0.0\n",
+    }
+
+
+def test_the_success_is_called_success_whatever_its_name(tmp_path):
+    texts = [
+        replace(SUCCESS, name="tap_is_open"),
+        FunctionText("fitness", "fitness", "How near.", "def fitness(info): ..."),
+        FunctionText("quantity", "quantity", "Where.", "def quantity(info): ..."),
+    ]
+    folder = RunFolder.create(tmp_path / "run", config=config(), functionals=texts)
+
+    files = {file.name for file in (folder.path / "functionals").iterdir()}
+    assert files == {"success.py", "fitness.fitness.py", "quantity.quantity.py"}
+
+
+def test_an_existing_folder_is_never_written_into(folder):
+    with pytest.raises(RunFolderError, match=r"Expected a new folder for the run, but .* exists"):
+        RunFolder.create(folder.path, config=config(), functionals=[])
+
+
+def test_a_link_to_nothing_is_something_that_exists(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "nothing")
+
+    with pytest.raises(RunFolderError, match=r"Expected a new folder for the run, but .* exists"):
+        refuse_existing(tmp_path / "link")
+
+
+def test_a_name_that_is_too_long_is_one_sentence(tmp_path):
+    with pytest.raises(
+        RunFolderError, match=r"^Expected to write .* \(File name too long\)[^\n]*$"
+    ):
+        refuse_existing(tmp_path / ("a" * 300))
+
+
+def test_a_parent_without_permission_is_one_sentence(tmp_path, monkeypatch):
+    def forbidden(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    # Where tests run as root, no real folder would refuse it.
+    monkeypatch.setattr("pathlib.Path.lstat", forbidden)
+
+    with pytest.raises(RunFolderError, match=r"that failed \(Permission denied\); choose a folder"):
+        refuse_existing(tmp_path / "run")
+
+
+def test_a_file_in_the_way_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+
+    with pytest.raises(RunFolderError, match=r"Expected to write the run to .*file"):
+        RunFolder.create(tmp_path / "file" / "run", config=config(), functionals=[])
+
+
+def test_metrics_grow_by_a_row_a_generation(folder):
+    folder.append_metrics(metrics(1))
+    folder.append_metrics(metrics(2))
+
+    with (folder.path / "metrics.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["generation"] for row in rows] == ["1", "2"]
+    assert rows[1]["evaluations"] == "64"
+    assert rows[1]["coverage"] == "0.25"
+
+
+def test_a_file_is_written_whole_or_not_at_all(folder, monkeypatch):
+    folder.write("summary.json", b"{}")
+    monkeypatch.setattr("pathlib.Path.replace", _full_disk)
+
+    with pytest.raises(RunFolderError, match=r"Expected to write .*summary\.json.*no space left"):
+        folder.write("summary.json", b'{"half": ')
+
+    assert (folder.path / "summary.json").read_bytes() == b"{}"
+    assert {file.name for file in folder.path.iterdir() if file.is_file()} == {
+        "config.json",
+        "summary.json",
+    }
+
+
+def _full_disk(*_):
+    raise OSError("no space left")
+
+
+def test_a_folder_that_vanishes_in_the_middle_of_a_run_is_one_sentence(folder):
+    shutil.rmtree(folder.path)
+
+    for write in (
+        lambda: folder.append_metrics(metrics(1)),
+        lambda: folder.write("archive.npz", b"content"),
+    ):
+        with pytest.raises(
+            RunFolderError, match=r"^Expected to write \S+, but that failed \(No such[^\n]*again\.$"
+        ):
+            write()
+
+
+def test_a_disk_that_is_full_in_the_middle_of_a_run_is_one_sentence(folder):
+    (folder.path / "metrics.csv").symlink_to("/dev/full")
+
+    with pytest.raises(RunFolderError, match=r"failed \(No space left on device\)"):
+        folder.append_metrics(metrics(1))
+
+
+def test_an_unfinished_run_says_so(folder):
+    with pytest.raises(RunFolderError, match=r"it has not finished \(no summary\.json\)"):
+        folder.summary()
+
+
+def test_a_folder_that_is_no_run_says_so(tmp_path):
+    with pytest.raises(RunFolderError, match="it is not there"):
+        RunFolder.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "Expected JSON in"),
+        ("[]", "Expected a JSON object in"),
+        ('{"task": "x"}', "it is of another form"),
+        ("[" * 100_000, "Expected JSON in"),
+    ],
+)
+def test_a_damaged_configuration_is_named(folder, text, message):
+    (folder.path / "config.json").write_text(text)
+
+    with pytest.raises(RunFolderError, match=message):
+        RunFolder.open(folder.path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"task": ["a"]}, "Expected a string at 'task', but got a list"),
+        ({"seed": "3"}, "Expected an integer at 'seed', but got '3'"),
+        ({"versions": {"numpy": 2}}, "Expected a string at 'versions.numpy', but got 2"),
+        ({"dropped": [None]}, r"Expected a string at 'dropped\[0\]', but got None"),
+        ({"prompt_hashes": 3}, "Expected an object at 'prompt_hashes', but got 3"),
+        ({"format": 1.0}, "Expected an integer at 'format', but got 1.0"),
+    ],
+)
+def test_a_configuration_with_another_value_is_named(folder, change, message):
+    data = json.loads((folder.path / "config.json").read_text())
+    (folder.path / "config.json").write_text(json.dumps(data | change))
+
+    with pytest.raises(RunFolderError, match=rf"^[^\n]*of another form \({message}\)[^\n]*$"):
+        RunFolder.open(folder.path)
+
+
+@pytest.mark.parametrize("more", [{}, {"algorithm": "new"}, {"task": {"id": "x"}}])
+def test_another_layout_is_refused(folder, more):
+    data = json.loads((folder.path / "config.json").read_text())
+    (folder.path / "config.json").write_text(json.dumps(data | {"format": 99} | more))
+
+    with pytest.raises(RunFolderError, match=r"Expected the layout 1 in .*, got 99"):
+        RunFolder.open(folder.path)
+
+
+def test_versions_that_are_others_here_are_found():
+    here = config()
+    others = {**here.versions, "numpy": "1.0", "jax": "0.5"}
+    del others["ribs"]
+
+    assert here.changed_versions() == {}
+    assert replace(here, versions=others).changed_versions() == {
+        "numpy": ("1.0", here.versions["numpy"]),
+        "jax": ("0.5", "none"),
+        "ribs": ("none", here.versions["ribs"]),
+    }
