@@ -108,8 +108,7 @@ class ArchiveFields:
                 f"Expected finite objectives above {_LOWEST}, but got others; leave out the "
                 "solutions whose objective is undefined."
             )
-        for name in self.descriptors:
-            check_block(name, columns["measures"][:, self.columns_of(name)])
+        self._check_measures(columns["measures"])
         return columns
 
     def empty_union(self) -> BatchData:
@@ -117,6 +116,16 @@ class ArchiveFields:
         dtypes = self.dtypes
         shapes = {name: shape for name, shape in self._shapes().items() if name != "measures"}
         return {name: np.empty((0, *shape), dtypes[name]) for name, shape in shapes.items()}
+
+    def _check_measures(self, measures: NDArray[np.float64]) -> None:
+        undefined = np.isnan(measures)
+        lengths = list(self.descriptors.values())
+        first = np.repeat(np.cumsum([0, *lengths[:-1]]), lengths)
+        # All blocks at once, and one by one only to say which of them is wrong.
+        whole = np.array_equal(undefined, undefined.take(first, axis=1))
+        if not whole or np.isinf(measures).any():
+            for name in self.descriptors:
+                check_block(name, measures[:, self.columns_of(name)])
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         extra = {

@@ -104,15 +104,20 @@ def _winners(candidates: Candidates, incumbents: Incumbents) -> NDArray[np.intp]
     # Whoever does not beat the elite that was there before the batch cannot win the cell, and late
     # in a run that is nearly everybody.
     rivals = np.flatnonzero(better | ~incumbents.occupied)
-    cell, success, objective = candidates.cell[rivals], success[rivals], objective[rivals]
+    cell, success = candidates.cell.take(rivals), success.take(rivals)
     cells = int(cell.max(initial=-1)) + 1
-    succeeded = np.zeros(cells, bool)
-    succeeded[cell[success]] = True
-    in_race = success | ~succeeded[cell]
+    if success.any() and not success.all():
+        succeeded = np.zeros(cells, bool)
+        succeeded[cell[success]] = True
+        in_race = success | ~succeeded.take(cell)
+        rivals, cell = rivals[in_race], cell[in_race]
+    objective = objective.take(rivals)
     highest = np.full(cells, -np.inf)
-    np.maximum.at(highest, cell[in_race], objective[in_race])
-    best = np.flatnonzero(in_race & (objective == highest[cell]))
-    earliest = np.full(cells, len(rivals))
-    np.minimum.at(earliest, cell[best], best)
-    winners: NDArray[np.intp] = rivals[best[best == earliest[cell[best]]]]
+    np.maximum.at(highest, cell, objective)
+    best = np.flatnonzero(objective == highest.take(cell))
+    rivals, cell = rivals.take(best), cell.take(best)
+    # Of several assignments to a cell the last one stays, here that of the earliest.
+    earliest = np.empty(cells, np.intp)
+    earliest[cell[::-1]] = rivals[::-1]
+    winners: NDArray[np.intp] = rivals[rivals == earliest.take(cell)]
     return winners

@@ -7,10 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lqd_search.archives.distinct import first_of_each, first_of_equal
+
 
 @dataclass(frozen=True, eq=False)
 class Elites:
     """The union of the grids' elites; two are the same if their solutions are equal.
+
+    All arrays are read-only.
 
     Attributes:
         fields: For each field an array of m rows, `solution`, `objective` and `success` among
@@ -53,18 +57,40 @@ def unite(
         name: np.concatenate([none, *(grid[name] for grid in grids.values())])
         for name, none in empty.items()
     }
-    order = np.arange(len(stacked["solution"]))
-    if "evaluation" in stacked:
-        order = np.argsort(stacked["evaluation"], kind="stable")
-    _, first, group = np.unique(
-        stacked["solution"][order], axis=0, return_index=True, return_inverse=True
-    )
-    place_of_group = np.argsort(np.argsort(first))
-    row = np.empty(len(order), np.intp)
-    row[order] = place_of_group[group]
+    candidates, place = _candidates(stacked)
+    solutions = stacked["solution"].take(candidates, axis=0)
+    first = first_of_equal(solutions)
+    kept = np.flatnonzero(first == np.arange(len(first)))
+    row_of_candidate = np.empty(len(first), np.intp)
+    row_of_candidate[kept] = np.arange(len(kept))
+    row = row_of_candidate.take(first).take(place)
     ends = np.cumsum([0, *(len(grid["index"]) for grid in grids.values())])
+    source = candidates.take(kept)
     return Elites(
-        fields={name: column[order[np.sort(first)]] for name, column in stacked.items()},
-        rows={name: row[ends[i] : ends[i + 1]] for i, name in enumerate(grids)},
-        cells={name: grid["index"].astype(np.intp) for name, grid in grids.items()},
+        fields=_sealed({name: column.take(source, axis=0) for name, column in stacked.items()}),
+        rows=_sealed({name: row[ends[i] : ends[i + 1]] for i, name in enumerate(grids)}),
+        cells=_sealed({name: grid["index"].astype(np.intp) for name, grid in grids.items()}),
     )
+
+
+def _candidates(stacked: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    # Rows in the order of the union, equal ones still among them; and each row's place in these.
+    solution = stacked["solution"]
+    if "evaluation" not in stacked:
+        everything = np.arange(len(solution))
+        return everything, everything
+    first, place = first_of_each(stacked["evaluation"])
+    # An evaluation is one solution, and comparing spares the hash of most rows. Should an archive
+    # have been given several solutions as one evaluation, each row is a candidate of its own.
+    if np.array_equal(solution, solution.take(first.take(place), axis=0)):
+        return first, place
+    order = np.argsort(stacked["evaluation"], kind="stable")
+    place = np.empty(len(order), np.intp)
+    place[order] = np.arange(len(order))
+    return order, place
+
+
+def _sealed(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    for column in columns.values():
+        column.setflags(write=False)
+    return columns

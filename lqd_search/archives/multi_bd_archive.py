@@ -1,19 +1,20 @@
 """The multi-BD archive: one grid per descriptor, all offered the same solutions."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from ribs.archives import ArchiveBase, ArchiveStats, GridArchive
 from ribs.typing import BatchData, FieldDesc, Int, SingleData
 
 from lqd_search.archives.archive_fields import ArchiveError, ArchiveFields
+from lqd_search.archives.cell_rows import pack, row_dtype
 from lqd_search.archives.competition import Competition, compete_by_fitness
 from lqd_search.archives.elites import Elites, unite
 from lqd_search.archives.grid_spec import GridSpec
-from lqd_search.archives.success_grid import SuccessGrid, insert_all
+from lqd_search.archives.success_grid import Insertion, SuccessGrid
 
 
 class MultiBDArchive(ArchiveBase):
@@ -60,8 +61,11 @@ class MultiBDArchive(ArchiveBase):
             solution_dim=solution_dim, objective_dim=(), measure_dim=sum(descriptors.values())
         )
         self._competition = competition
+        self._row_dtype = row_dtype(solution_dim=solution_dim, fields=self.fields.beside_measures)
         self._rng = np.random.default_rng(seed)
         self._grids: dict[str, SuccessGrid] = {}
+        # The cells of the grids' elites that it was made of: they are other arrays after a change.
+        self._union: tuple[Mapping[str, NDArray[np.integer]], Elites] | None = None
 
     @property
     def descriptors(self) -> Mapping[str, int]:
@@ -84,6 +88,16 @@ class MultiBDArchive(ArchiveBase):
         return {name: grid.clipped for name, grid in self._grids.items()}
 
     @property
+    def filled(self) -> Mapping[str, int]:
+        """For each grid, how many of its cells have an elite."""
+        return {name: len(grid) for name, grid in self._grids.items()}
+
+    @property
+    def successes(self) -> Mapping[str, int]:
+        """For each grid, how many of its elites are successes."""
+        return {name: grid.successes for name, grid in self._grids.items()}
+
+    @property
     def field_list(self) -> list[str]:
         """Names of an elite's fields."""
         return list(self.dtypes)
@@ -96,7 +110,7 @@ class MultiBDArchive(ArchiveBase):
     @property
     def empty(self) -> bool:
         """Whether no grid has an elite."""
-        return all(grid.archive.empty for grid in self._grids.values())
+        return not any(self.filled.values())
 
     @property
     def stats(self) -> ArchiveStats:
@@ -104,7 +118,7 @@ class MultiBDArchive(ArchiveBase):
         elites = self.elites()
         objective = elites.fields["objective"]
         cells = max(1, sum(spec.cells for spec in self.specs.values()))
-        filled = sum(len(grid) for grid in self.grids.values())
+        filled = sum(self.filled.values())
         return ArchiveStats(
             num_elites=len(elites),
             coverage=filled / cells,
@@ -173,8 +187,8 @@ class MultiBDArchive(ArchiveBase):
     ) -> BatchData:
         """Offer a batch to every grid.
 
-        All of it is checked before any grid is touched, and if a grid fails all the same, the
-        others are brought back: after an error the archive is what it was before.
+        All of it is checked before any grid is touched, and if one fails or is interrupted all the
+        same, every grid is brought back: after an error the archive is what it was before.
 
         Args:
             solution: (N, solution_dim) finite.
@@ -197,21 +211,28 @@ class MultiBDArchive(ArchiveBase):
         batch = self.fields.check(
             {"solution": solution, "objective": objective, "measures": measures, **fields}
         )
-        side_by_side = batch.pop("measures")
-        competition = copy.deepcopy(self._competition)
-        plans = []
-        for name, grid in self._grids.items():
-            measures_of_grid = side_by_side[:, self.fields.columns_of(name)]
-            plans.append((grid, grid.plan(batch, measures_of_grid, competition=competition)))
-        insert_all(plans)
-        self._competition = competition
-        status = np.zeros(len(batch["solution"]), np.int32)
-        value = np.full(len(status), -np.inf)
-        for _, plan in plans:
-            news = np.where(plan.occupied, 1, 2)
-            status[plan.winners] = np.maximum(status[plan.winners], news)
-            value[plan.offered] = np.maximum(value[plan.offered], plan.value)
-        return {"status": status, "value": value}
+        side_by_side = np.asfortranarray(batch.pop("measures"))
+        rows = pack(batch, dtype=self._row_dtype)
+        before, competition = self._competition, copy.deepcopy(self._competition)
+        plans = [
+            grid.plan(rows, side_by_side[:, self.fields.columns_of(name)], competition=competition)
+            for name, grid in self._grids.items()
+        ]
+        outcome = _outcome(len(rows), plans)
+        touched: list[tuple[SuccessGrid, Insertion]] = []
+        complete = False
+        try:
+            self._competition = competition
+            for grid, plan in zip(self._grids.values(), plans, strict=True):
+                touched.append((grid, plan))
+                grid.insert(plan)
+            complete = True
+        finally:
+            if not complete:
+                self._competition = before
+                for grid, plan in touched:
+                    grid.undo(plan)
+        return outcome
 
     def add_single(
         self, solution: ArrayLike, objective: ArrayLike, measures: ArrayLike, **fields: ArrayLike
@@ -289,7 +310,16 @@ class MultiBDArchive(ArchiveBase):
             first appearance, grid by grid and cell by cell.
         """
         grids = {name: grid.elites() for name, grid in self._grids.items()}
-        return unite(grids, empty=self.fields.empty_union())
+        cells = {name: grid["index"] for name, grid in grids.items()}
+        if self._union is None or not _same(cells, self._union[0]):
+            self._union = (cells, unite(grids, empty=self.fields.empty_union()))
+        union = self._union[1]
+        # The arrays are read-only, and with dicts of its own no caller can spoil the next one's.
+        return Elites(fields=dict(union.fields), rows=dict(union.rows), cells=dict(union.cells))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy needs, which is not what can be computed again."""
+        return self.__dict__ | {"_union": None}
 
     def _known(self, name: str) -> str:
         if name not in self.descriptors:
@@ -297,3 +327,17 @@ class MultiBDArchive(ArchiveBase):
                 f"Unknown descriptor {name!r}; the archive has {', '.join(self.descriptors)}."
             )
         return name
+
+
+def _same(ours: Mapping[str, NDArray[Any]], theirs: Mapping[str, NDArray[Any]]) -> bool:
+    return list(ours) == list(theirs) and all(ours[name] is theirs[name] for name in ours)
+
+
+def _outcome(n: int, insertions: Sequence[Insertion]) -> BatchData:
+    status = np.zeros(n, np.int32)
+    value = np.full(n, -np.inf)
+    for plan in insertions:
+        news = np.where(plan.occupied, 1, 2)
+        status[plan.winners] = np.maximum(status[plan.winners], news)
+        value[plan.offered] = np.maximum(value[plan.offered], plan.value)
+    return {"status": status, "value": value}

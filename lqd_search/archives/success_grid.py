@@ -1,6 +1,5 @@
 """One descriptor's grid: a pyribs `GridArchive` in which success comes first."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 from ribs.archives import GridArchive
 from ribs.typing import BatchData, FieldDesc
 
+from lqd_search.archives.cell_rows import CellElites, CellRows, Rows, pack, row_dtype
 from lqd_search.archives.competition import Candidates, Competition, Incumbents
 from lqd_search.archives.grid_spec import GridSpec
 
@@ -24,26 +24,29 @@ class Insertion:
     Attributes:
         offered: (k,) indices of the batch's rows that are defined in this grid.
         value: (k,) float64, their objective less that of the elite in their cell, if there is one.
-        winners: (w,) indices of the batch's rows that get in.
-        cell: (w,) the winners' cells.
+        winners: (w,) indices of the batch's rows that get in, in the order of their cells.
         occupied: (w,) bool, whether these cells have an elite already.
-        elites: For each field the winners' (w, ...) rows.
-        replaced: For each field the rows of the elites that make room, in the winners' order.
+        elites: The winners.
+        replaced: The elites that make room for them.
         clipped: Number of offered rows with a measure out of range.
+        clipped_before: The grid's count of such rows before.
     """
 
     offered: NDArray[np.intp]
     value: NDArray[np.float64]
     winners: NDArray[np.intp]
-    cell: NDArray[np.integer]
     occupied: NDArray[np.bool_]
-    elites: BatchData
-    replaced: BatchData
+    elites: CellElites
+    replaced: CellElites
     clipped: int
+    clipped_before: int
 
 
 class SuccessGrid:
     """One descriptor's grid: a pyribs `GridArchive` in which success comes first.
+
+    The elites are kept twice, in the pyribs archive and as rows by cell. From these the archive is
+    made again after an error or after unpickling, once it is wanted; and they are quicker to read.
 
     Args:
         spec: Cells and ranges.
@@ -52,7 +55,6 @@ class SuccessGrid:
             `success`.
 
     Attributes:
-        archive: The pyribs archive, to be read only.
         spec: Cells and ranges.
         clipped: Number of solutions offered so far with a measure out of range.
     """
@@ -62,14 +64,38 @@ class SuccessGrid:
         self.clipped = 0
         self._solution_dim = solution_dim
         self._fields = fields
-        bounds = np.array(spec.ranges)
-        reach = _REACH_IN_RANGES * (bounds[:, 1] - bounds[:, 0])
-        self._nearest, self._farthest = bounds[:, 0] - reach, bounds[:, 1] + reach
-        self._fill({})
+        self._lower, self._upper = np.array(spec.ranges).T
+        reach = _REACH_IN_RANGES * (self._upper - self._lower)
+        self._nearest, self._farthest = self._lower - reach, self._upper + reach
+        self._archive: GridArchive | None = None
+        self._cells = CellRows(
+            spec.cells,
+            measures=len(spec.dims),
+            dtype=row_dtype(solution_dim=solution_dim, fields=fields),
+        )
+
+    def __len__(self) -> int:
+        """Return the number of elites."""
+        return len(self._cells)
+
+    @property
+    def successes(self) -> int:
+        """Number of elites that are successes."""
+        return int(np.count_nonzero(self._cells.success))
+
+    @property
+    def archive(self) -> GridArchive:
+        """The pyribs archive, to be read only; another one after an error or after unpickling."""
+        if self._archive is None:
+            archive = self._new_archive()
+            if len(self):
+                _offer(archive, self.elites())
+            self._archive = archive
+        return self._archive
 
     def plan(
         self,
-        batch: Mapping[str, NDArray[Any]],
+        batch: Rows,
         measures: NDArray[np.float64],
         *,
         competition: Competition,
@@ -77,7 +103,7 @@ class SuccessGrid:
         """Find out what a batch would change, without changing anything.
 
         Args:
-            batch: (N, ...) rows of every field but the measures, checked.
+            batch: (N,) rows, checked.
             measures: (N, d) float64, NaN rows where undefined, checked.
             competition: The rule by which a cell is won.
 
@@ -85,28 +111,36 @@ class SuccessGrid:
             The changes, for `insert`.
         """
         offered = np.flatnonzero(~np.isnan(measures[:, 0]))
-        reachable = measures[offered]
-        clipped = self.spec.out_of_range(reachable)
-        if clipped.any():
-            reachable[clipped] = np.clip(reachable[clipped], self._nearest, self._farthest)
+        reachable = _rows_of(measures, offered)
+        clipped = self._clip(reachable)
         cell = self.archive.index_of(reachable)
-        occupied, success, objective = self._incumbents
-        candidates = Candidates(cell, batch["success"][offered], batch["objective"][offered])
-        incumbents = Incumbents(occupied[cell], success[cell], objective[cell])
+        candidates = Candidates(
+            cell, batch["success"].take(offered), batch["objective"].take(offered)
+        )
+        incumbents = Incumbents(
+            self._cells.occupied.take(cell),
+            self._cells.success.take(cell),
+            self._cells.objective.take(cell),
+        )
         won = competition(candidates, incumbents)
-        winners, won_measures = offered[won], reachable[won]
+        # Memory is written faster in its own order.
+        won = won.take(np.argsort(cell.take(won), kind="stable"))
+        winners, won_cell, occupied = (
+            offered.take(won),
+            cell.take(won),
+            incumbents.occupied.take(won),
+        )
         with np.errstate(over="ignore"):
             value = candidates.objective - incumbents.objective
         return Insertion(
             offered=offered,
             value=value,
             winners=winners,
-            cell=cell[won],
-            occupied=incumbents.occupied[won],
-            elites={name: column[winners] for name, column in batch.items()}
-            | {"measures": won_measures},
-            replaced=self.archive.retrieve(won_measures[incumbents.occupied[won]])[1],
-            clipped=int(clipped.sum()),
+            occupied=occupied,
+            elites=CellElites(won_cell, batch.take(winners), _rows_of(reachable, won)),
+            replaced=self._cells.read(won_cell[occupied]),
+            clipped=clipped,
+            clipped_before=self.clipped,
         )
 
     def insert(self, insertion: Insertion) -> None:
@@ -115,43 +149,51 @@ class SuccessGrid:
         Args:
             insertion: What `plan` returned for the grid as it is now.
         """
-        self._put(insertion.elites, cell=insertion.cell)
+        if len(insertion.winners):
+            _offer(self.archive, insertion.elites.columns())
+            self._cells.write(insertion.elites)
         self.clipped += insertion.clipped
 
-    def undo(self, insertion: Insertion, *, clipped: int) -> None:
+    def undo(self, insertion: Insertion) -> None:
         """Bring the grid back to what it was before an `insert`, even one that failed halfway.
 
         Args:
             insertion: What was given to `insert`.
-            clipped: The count before it.
         """
-        now = self.archive.data()
-        untouched = ~np.isin(now["index"], insertion.cell)
-        self._fill(
-            {
-                name: np.concatenate([now[name][untouched], column])
-                for name, column in insertion.replaced.items()
-            }
-        )
-        self.clipped = clipped
+        # The error may be a lack of memory or an impatient user: the pyribs archive, of which
+        # nothing is known, is not made again here and now.
+        self._archive = None
+        self._cells.undo(insertion.elites, replaced=insertion.replaced)
+        self.clipped = insertion.clipped_before
 
     def elites(self) -> BatchData:
         """Return the elites in the order of their cells, whenever these were filled.
 
         Returns:
-            (m, ...) rows of every field, with the cell as `index`.
+            (m, ...) read-only columns of every field, with the cell as `index`; the same arrays
+            until an elite changes.
         """
-        data = self.archive.data()
-        order = np.argsort(data["index"])
-        return {name: column[order] for name, column in data.items() if name != "threshold"}
+        return self._cells.in_order()
 
-    def _fill(self, elites: BatchData) -> None:
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what a copy needs: each elite once, and no empty cell."""
+        return _restored, (self.spec, self._solution_dim, self._fields, self.elites(), self.clipped)
+
+    def _clip(self, measures: NDArray[np.float64]) -> int:
+        outside = (measures < self._lower) | (measures > self._upper)
+        if not outside.any():
+            return 0
+        rows = np.flatnonzero(outside.any(axis=1))
+        measures[rows] = np.clip(measures[rows], self._nearest, self._farthest)
+        return len(rows)
+
+    def _new_archive(self) -> GridArchive:
         # GridArchive knows no success and would let a failure of higher objective evict one. Who
         # gets in is decided in `plan`; a threshold that starts below every objective and never
         # learns makes GridArchive accept whoever it is given. Ranges are learned, so nothing is
         # meant to lie exactly on a boundary, and pyribs' epsilon would shift cells narrower than
         # it: it is 0.
-        self.archive = GridArchive(
+        return GridArchive(
             solution_dim=self._solution_dim,
             dims=self.spec.dims,
             ranges=self.spec.ranges,
@@ -161,41 +203,27 @@ class SuccessGrid:
             seed=0,
             extra_fields=self._fields,
         )
-        # What the competition reads of each cell: occupied, success, objective. Retrieving whole
-        # elites for every candidate would double the cost of a batch.
-        cells = self.spec.cells
-        self._incumbents = (np.zeros(cells, bool), np.zeros(cells, bool), np.zeros(cells))
-        if elites:
-            fields = {k: v for k, v in elites.items() if k not in ("threshold", "index")}
-            self._put(fields, cell=elites["index"])
-
-    def _put(self, elites: BatchData, *, cell: NDArray[np.integer]) -> None:
-        if len(cell) == 0:
-            return
-        # pyribs sums the objectives and subtracts the threshold from them, which may overflow;
-        # nothing here reads the results.
-        with np.errstate(over="ignore", invalid="ignore"):
-            self.archive.add(**elites)
-        occupied, success, objective = self._incumbents
-        occupied[cell] = True
-        success[cell] = elites["success"]
-        objective[cell] = elites["objective"]
 
 
-def insert_all(plans: Sequence[tuple[SuccessGrid, Insertion]]) -> None:
-    """Make the changes in all grids or, after an error, in none.
+def _rows_of(measures: NDArray[np.float64], rows: NDArray[np.intp]) -> NDArray[np.float64]:
+    # Measures lie column by column: with so few columns numpy is faster along these, and so is
+    # pyribs, which computes the cells from them.
+    return measures.T.take(rows, axis=1).T
 
-    Args:
-        plans: Each grid with what its `plan` returned.
-    """
-    touched: list[tuple[SuccessGrid, Insertion, int]] = []
-    complete = False
-    try:
-        for grid, plan in plans:
-            touched.append((grid, plan, grid.clipped))
-            grid.insert(plan)
-        complete = True
-    finally:
-        if not complete:
-            for grid, plan, clipped in touched:
-                grid.undo(plan, clipped=clipped)
+
+def _offer(archive: GridArchive, elites: BatchData) -> None:
+    # pyribs sums the objectives and subtracts the threshold from them, which may overflow; nothing
+    # here reads the results.
+    fields = {name: column for name, column in elites.items() if name != "index"}
+    with np.errstate(over="ignore", invalid="ignore"):
+        archive.add(**fields)
+
+
+def _restored(
+    spec: GridSpec, solution_dim: int, fields: FieldDesc, elites: BatchData, clipped: int
+) -> SuccessGrid:
+    grid = SuccessGrid(spec, solution_dim=solution_dim, fields=fields)
+    rows = pack(elites, dtype=row_dtype(solution_dim=solution_dim, fields=fields))
+    grid._cells.write(CellElites(elites["index"], rows, elites["measures"]))
+    grid.clipped = clipped
+    return grid
