@@ -46,6 +46,7 @@ SuccessFunction = Callable[[Infos], bool]
 FitnessFunction = Callable[[Info], float]
 TimestampFunction = Callable[[Infos], Info | None]
 QuantityFunction = Callable[[Info], tuple[float, ...]]
+DescriptorFunction = Callable[[Infos], tuple[float, ...] | None]
 
 
 @dataclass(frozen=True)
@@ -164,6 +165,11 @@ class Columns:
         """Return the chosen motions alone."""
         chosen = {key: array[rows] for key, array in self.arrays().items()}
         return Columns(schema=self.schema, **chosen)
+
+    def until(self, moment: int) -> "Columns":
+        """Return the motions as they were at a moment: that one is the last that is left."""
+        seen = {key: array[:, : moment + 1] for key, array in self.arrays().items()}
+        return Columns(schema=self.schema, **seen)
 
     def spread(self, rows: NDArray[np.intp], *, n: int) -> "Columns":
         """Return n motions of which these are the given rows, and all others zero or False."""

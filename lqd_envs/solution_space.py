@@ -51,6 +51,16 @@ class SolutionSpace:
         """Length of a solution: 9."""
         return len(SOLUTION_NAMES)
 
+    @property
+    def lower(self) -> NDArray[np.float64]:
+        """(9,) float64: the lower bounds of the box around the space."""
+        return np.array([*[-1.0] * 3, *[-_QUARTER_TURN] * 2, -_HALF_TURN, -1.0, -1.0, 0.0])
+
+    @property
+    def upper(self) -> NDArray[np.float64]:
+        """(9,) float64: the upper bounds of the box around the space."""
+        return np.array([*[1.0] * 3, *[_QUARTER_TURN] * 2, _HALF_TURN, *[1.0] * 3])
+
     def sample(self, n: int, *, rng: np.random.Generator) -> Solutions:
         """Draw solutions: uniform positions, rotations, directions and lengths.
 
@@ -92,6 +102,23 @@ class SolutionSpace:
         checked = self.validate(parents)
         stds = np.repeat([self.position_std, self.orientation_std, self.motion_std], 3)
         return self.repair(checked + stds * rng.standard_normal(checked.shape))
+
+    def difference(self, solutions: ArrayLike, others: ArrayLike) -> Solutions:
+        """Return what leads from other solutions to these, the shorter way round in yaw.
+
+        Args:
+            solutions: (n, 9), finite.
+            others: (n, 9), finite.
+
+        Returns:
+            (n, 9) float64; added to `others` and repaired, it gives `solutions`, but for rounding.
+
+        Raises:
+            SolutionError: One of them has another shape or a number that is not finite.
+        """
+        difference = self.validate(solutions) - self.validate(others)
+        difference[:, 5] = _wrap(difference[:, 5])
+        return difference
 
     def repair(self, solutions: ArrayLike) -> Solutions:
         """Bring solutions back into the space.

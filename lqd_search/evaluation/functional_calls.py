@@ -8,6 +8,7 @@ import numpy as np
 
 from lqd_envs.errors import LQDError
 from lqd_envs.perception import (
+    DescriptorFunction,
     FitnessFunction,
     Info,
     Infos,
@@ -101,14 +102,24 @@ def call_quantity(quantity: QuantityFunction, moment: Info) -> tuple[float, ...]
     Raises:
         RefusedValueError: It raised or did not return a tuple or list of 2 to 5 finite numbers.
     """
-    numbers: Any = _call(quantity, moment)
-    if not isinstance(numbers, tuple | list):
-        raise RefusedValueError(f"returned {_kind_of(numbers)}, not a tuple of numbers")
-    if not _SHORTEST <= len(numbers) <= _LONGEST:
-        raise RefusedValueError(
-            f"returned {len(numbers)} numbers, not between {_SHORTEST} and {_LONGEST}"
-        )
-    return tuple(_number(number) for number in numbers)
+    return _numbers(_call(quantity, moment))
+
+
+def call_descriptor(descriptor: DescriptorFunction, infos: Infos) -> tuple[float, ...] | None:
+    """Ask a descriptor function, which is given a whole motion, for its numbers.
+
+    Args:
+        descriptor: The function; it is given a list of its own.
+        infos: The motion's moments.
+
+    Returns:
+        2 to 5 finite numbers; None: not defined for this motion.
+
+    Raises:
+        RefusedValueError: It raised or returned anything else.
+    """
+    numbers = _call(descriptor, list(infos))
+    return None if numbers is None else _numbers(numbers)
 
 
 def _call(function: Callable[[_Argument], _Result], argument: _Argument) -> _Result:
@@ -129,6 +140,16 @@ def _line_of(error: Exception) -> str:
         if trace.tb_frame.f_code.co_filename == file:
             line = trace.tb_lineno
     return f" in line {line}"
+
+
+def _numbers(numbers: Any) -> tuple[float, ...]:
+    if not isinstance(numbers, tuple | list):
+        raise RefusedValueError(f"returned {_kind_of(numbers)}, not a tuple of numbers")
+    if not _SHORTEST <= len(numbers) <= _LONGEST:
+        raise RefusedValueError(
+            f"returned {len(numbers)} numbers, not between {_SHORTEST} and {_LONGEST}"
+        )
+    return tuple(_number(number) for number in numbers)
 
 
 def _number(value: Any) -> float:

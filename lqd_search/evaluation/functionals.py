@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,8 +24,9 @@ from lqd_search.evaluation.functional_calls import (
     call_success,
     call_timestamp,
 )
+from lqd_search.evaluation.refusals import Refusals
 from lqd_search.evaluation.trial import Trial, try_functions
-from lqd_search.evaluation.values import Refusal, Values
+from lqd_search.evaluation.values import Values
 
 
 class FunctionalError(LQDError):
@@ -132,7 +133,7 @@ class FunctionalEvaluator:
             FunctionalError: A valid motion is missing, another one is there, or one has no moments.
         """
         columns = _Columns.of(len(valid), fitness=self.fitness_names, of=self.descriptors)
-        refusals = _Refusals()
+        refusals = Refusals()
         judged = np.zeros(len(valid), bool)
         # A value is judged by what it is: NumPy need not warn that a division made it NaN.
         with np.errstate(all="ignore"):
@@ -157,7 +158,7 @@ class FunctionalEvaluator:
             refusals=refusals.listed(),
         )
 
-    def _judge(self, i: int, infos: Infos, columns: "_Columns", refusals: "_Refusals") -> None:
+    def _judge(self, i: int, infos: Infos, columns: "_Columns", refusals: "Refusals") -> None:
         try:
             columns.success[i] = call_success(self._functionals.success, infos)
         except RefusedValueError as refused:
@@ -165,14 +166,14 @@ class FunctionalEvaluator:
         self._rate(i, infos, columns, refusals)
         self._measure(i, infos, columns, refusals)
 
-    def _rate(self, i: int, infos: Infos, columns: "_Columns", refusals: "_Refusals") -> None:
+    def _rate(self, i: int, infos: Infos, columns: "_Columns", refusals: "Refusals") -> None:
         for name in self.fitness_names:
             try:
                 columns.fitness[name][i] = call_fitness(self._functionals.fitness[name], infos)
             except RefusedValueError as refused:
                 refusals.note(i, "fitness", name, refused)
 
-    def _measure(self, i: int, infos: Infos, columns: "_Columns", refusals: "_Refusals") -> None:
+    def _measure(self, i: int, infos: Infos, columns: "_Columns", refusals: "Refusals") -> None:
         measured: dict[tuple[int, str], tuple[float, ...] | None] = {}
         for h, timestamp in self._functionals.timestamps.items():
             try:
@@ -189,7 +190,7 @@ class FunctionalEvaluator:
                 columns.measures[f"{h}.{g}"][i] = measured[key] or math.nan
 
     def _quantity(
-        self, i: int, name: str, moment: Info, refusals: "_Refusals"
+        self, i: int, name: str, moment: Info, refusals: "Refusals"
     ) -> tuple[float, ...] | None:
         try:
             numbers = call_quantity(self._functionals.quantities[name], moment)
@@ -227,18 +228,4 @@ class _Columns:
             success=np.zeros(n, bool),
             fitness={name: np.full(n, np.nan) for name in fitness},
             measures={name: np.full((n, length), np.nan) for name, length in of.items()},
-        )
-
-
-@dataclass
-class _Refusals:
-    motions: dict[tuple[str, str, str], dict[int, None]] = field(default_factory=dict)
-
-    def note(self, motion: int, kind: str, functional: str, refused: RefusedValueError) -> None:
-        self.motions.setdefault((kind, functional, str(refused)), {})[motion] = None
-
-    def listed(self) -> tuple[Refusal, ...]:
-        return tuple(
-            Refusal(functional, kind, len(motions), reason, min(motions))
-            for (kind, functional, reason), motions in self.motions.items()
         )

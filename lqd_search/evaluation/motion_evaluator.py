@@ -1,14 +1,14 @@
 """From solutions to values: simulate, judge, and note what only a report may know."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from ribs.typing import FieldDesc
 
-from lqd_envs import Infos, Task, Trajectories, rollout
-from lqd_search.evaluation.functionals import FunctionalEvaluator
+from lqd_envs import Task, rollout
+from lqd_search.evaluation.contact import CONTACT, first_contacts
+from lqd_search.evaluation.judge import Judge
 from lqd_search.evaluation.values import Values
 
 EXPERT = "expert"
@@ -39,9 +39,9 @@ def passive_fields(task: Task) -> FieldDesc:
 
 @dataclass(frozen=True)
 class MotionEvaluator:
-    """Simulates solutions in a task and judges them by functionals.
+    """Simulates solutions in a task and lets a judge turn the motions into values.
 
-    The functionals see the motions' infos and nothing else; the expert's verdict and the
+    An inferred functional sees the motions' infos and nothing else; the expert's verdict and the
     ground-truth measures are added afterwards, as passive columns that no search reads. A method is
     asked for solutions and told their values until it is done:
 
@@ -50,29 +50,24 @@ class MotionEvaluator:
 
     Attributes:
         task: The task.
-        functionals: Turns the valid motions into values.
+        judge: Turns the motions into values.
         threads: Threads to simulate on; 0: one for each CPU. The values do not depend on it.
     """
 
     task: Task
-    functionals: FunctionalEvaluator
+    judge: Judge
     threads: int = 0
 
     def __call__(self, solutions: NDArray[np.float64]) -> Values:
-        """Evaluate (N, 9) solutions; the values carry the four passive columns."""
+        """Evaluate (N, 9) solutions; the values carry four passive columns and the contacts."""
         trajectories = rollout(self.task, solutions, threads=self.threads)
-        values = self.functionals(_motions(trajectories), valid=trajectories.valid)
         return replace(
-            values,
+            self.judge(trajectories),
             passive={
                 EXPERT: trajectories.success(),
                 GROUND_TRUTH: trajectories.ground_truth(),
                 DIGEST: trajectories.digests(),
                 VERDICT: trajectories.verdicts,
             },
+            perceived={CONTACT: first_contacts(trajectories)},
         )
-
-
-def _motions(trajectories: Trajectories) -> Iterator[tuple[int, Infos]]:
-    for i in np.flatnonzero(trajectories.valid):
-        yield int(i), trajectories.infos(int(i))

@@ -20,7 +20,7 @@ class Refusal:
 
     Attributes:
         functional: The functional's name.
-        kind: `"success"`, `"fitness"`, `"timestamp"` or `"quantity"`.
+        kind: `"success"`, `"fitness"`, `"timestamp"`, `"quantity"` or `"descriptor"`.
         count: Number of motions of the batch in which it was refused for this reason.
         reason: What was wrong with the value, such as `"raised KeyError in line 2"`.
         first_motion: Index in the batch of the first such motion.
@@ -46,10 +46,13 @@ class Values:
         refusals: The functionals whose values were refused in this batch.
         passive: Columns with N rows that are carried along and stored with the elites, and that no
             search reads, such as the expert's verdict.
+        perceived: Further columns with N rows that the robot perceived itself, and that a search
+            may read, such as where it first touched something.
 
     Raises:
         ValuesError: A column has another length, dtype or number of dimensions, an infinite value,
-            or a row of measures that is NaN only in part; or an invalid solution is successful.
+            or a row of measures that is NaN only in part; an invalid solution is successful; or a
+            passive and a perceived column have the same name.
     """
 
     valid: NDArray[np.bool_]
@@ -58,6 +61,7 @@ class Values:
     measures: Mapping[str, NDArray[np.float64]]
     refusals: tuple[Refusal, ...] = ()
     passive: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    perceived: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._check("valid", self.valid, dtype=np.bool_, ndim=1)
@@ -80,9 +84,27 @@ class Values:
             check_block(name, measures)
         for name, column in self.passive.items():
             self._check(f"passive column {name!r}", column)
+        for name, column in self.perceived.items():
+            self._check(f"perceived column {name!r}", column)
+            if name in self.passive:
+                raise ValuesError(
+                    f"Expected passive and perceived columns of different names, but both have "
+                    f"{name!r}; rename one."
+                )
 
     def __len__(self) -> int:
         return len(self.valid)
+
+    def rows(self, rows: NDArray[np.intp]) -> "Values":
+        """Return the chosen solutions alone; refusals, which count whole batches, are left out."""
+        return Values(
+            valid=self.valid[rows],
+            success=self.success[rows],
+            fitness={name: column[rows] for name, column in self.fitness.items()},
+            measures={name: column[rows] for name, column in self.measures.items()},
+            passive={name: column[rows] for name, column in self.passive.items()},
+            perceived={name: column[rows] for name, column in self.perceived.items()},
+        )
 
     def _check(
         self, name: str, column: NDArray[Any], *, dtype: type | None = None, ndim: int | None = None

@@ -11,10 +11,12 @@ from ribs.typing import FieldDesc
 from lqd_search.archives.competition import Competition, compete_by_fitness
 from lqd_search.archives.descriptor_ranges import DescriptorRanges, ObservationLog
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.emitters.emitter import Emitter
 from lqd_search.evaluation.values import Values
 from lqd_search.methods.exploration_budget import ExplorationBudget
-from lqd_search.methods.method import MethodError, SolutionSpace
+from lqd_search.methods.method import MethodError
 from lqd_search.schedulers.multi_bd_scheduler import MultiBDScheduler
+from lqd_search.solution_space import SolutionSpace
 
 
 class LanguageDrivenQD:
@@ -35,7 +37,9 @@ class LanguageDrivenQD:
         batch_size: Number of solutions in a generation; the last one may be smaller.
         rng: Its children draw everything: one the first batch, one for each short run the rest.
         competition: The rule by which a cell is won; each short run has a copy of its own.
-        passive_fields: Passive columns to store with the elites, in pyribs' form.
+        emitter: Makes solutions of what an archive holds; each short run has a copy of its own.
+            By default `MESEmitter(space)`.
+        passive_fields: Passive or perceived columns to store with the elites, in pyribs' form.
         minimum: Number of defined values that a descriptor's range is learned from.
         cells: About as many cells each grid gets.
 
@@ -61,6 +65,7 @@ class LanguageDrivenQD:
         batch_size: int,
         rng: np.random.Generator,
         competition: Competition = compete_by_fitness,
+        emitter: Emitter | None = None,
         passive_fields: FieldDesc | None = None,
         minimum: int = 64,
         cells: int = 10_000,
@@ -76,6 +81,7 @@ class LanguageDrivenQD:
         self._space = space
         self._ranges = DescriptorRanges(dict(descriptors), minimum=minimum, cells=cells)
         self._competition = competition
+        self._emitter = emitter
         self._fields: FieldDesc = {"evaluation": ((), np.int64), **(passive_fields or {})}
         self._first_rng, *run_rngs = rng.spawn(1 + len(fitness_names))
         self._run_rngs = dict(zip(fitness_names, run_rngs, strict=True))
@@ -228,6 +234,7 @@ class LanguageDrivenQD:
                 fitness=name,
                 batch_size=self.budget.batch_size,
                 rng=rng,
+                emitter=copy.deepcopy(self._emitter),
             )
             for name, rng in self._run_rngs.items()
         }

@@ -7,27 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs.errors import LQDError
+from lqd_search.archives.multi_bd_archive import MultiBDArchive
 from lqd_search.evaluation.values import Values
 
 
 class MethodError(LQDError):
     """A method was called out of turn, or made of what does not fit."""
-
-
-class SolutionSpace(Protocol):
-    """Where solutions come from."""
-
-    @property
-    def dim(self) -> int:
-        """Length of a solution."""
-
-    def sample(self, n: int, *, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draw (n, dim) solutions uniformly."""
-
-    def mutate(
-        self, parents: NDArray[np.float64], *, rng: np.random.Generator
-    ) -> NDArray[np.float64]:
-        """Mutate each of the (n, dim) parents, and repair what came out."""
 
 
 class Method(Protocol):
@@ -49,6 +34,18 @@ class Method(Protocol):
     @property
     def stage(self) -> str:
         """What the method is doing now, in a few words for a progress bar."""
+
+    @property
+    def archive(self) -> MultiBDArchive | None:
+        """The grids that are being filled; None: the method has none."""
+
+    @property
+    def exploration(self) -> Mapping[str, int]:
+        """For each fitness that was tried the distinct successes that it led to, if any were."""
+
+    @property
+    def chosen(self) -> str | None:
+        """The fitness that was kept after trying several; None before, or if none were tried."""
 
     def ask(self) -> NDArray[np.float64]:
         """Return the next (n, dim) solutions to evaluate."""

@@ -1,6 +1,7 @@
-"""The scheduler of the multi-BD search: parents from every grid, children to every grid."""
+"""The scheduler of the multi-BD search: an emitter's solutions go to every grid."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ from ribs.typing import BatchData
 from lqd_envs.errors import LQDError
 from lqd_search.archives.descriptor_ranges import DescriptorRanges, ObservationLog
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.emitters.emitter import Emitter, Evaluated
 from lqd_search.emitters.mes_emitter import MESEmitter
 from lqd_search.evaluation.values import Values
-from lqd_search.methods.method import SolutionSpace
+from lqd_search.solution_space import SolutionSpace
 
 
 class SchedulerError(LQDError):
@@ -20,20 +22,23 @@ class SchedulerError(LQDError):
 
 
 class MultiBDScheduler:
-    """Selects parents from every grid and offers every evaluated solution to every grid.
+    """Asks an emitter for solutions and offers every evaluated one to every grid.
 
     One run of multi-BD MAP-Elites Success with one fitness. A descriptor whose range is not known
     yet has no grid; its solutions are kept aside, and are offered to it, before the batch that
-    made its range known, as soon as it is. An error in `tell` leaves all as it was before.
+    made its range known, as soon as it is. The emitter is not shown the passive columns of the
+    values. An error in `tell` leaves all as it was before, unless it is one of the emitter's own.
 
     Args:
         archive: Where the solutions go; it stores the extra field `evaluation`, and any other
-            extra field is a passive column of the values.
+            extra field is a passive or a perceived column of the values.
         space: Where solutions come from.
         ranges: What is known of the descriptors' ranges.
         fitness: Name of the fitness that is the objective.
         batch_size: Number of solutions in a generation.
-        rng: Samples, selects and mutates.
+        rng: Samples, selects and varies.
+        emitter: Makes solutions of what the archive holds, for this scheduler alone; by default
+            `MESEmitter(space)`.
 
     Attributes:
         archive: The archive; another one after `relearn_ranges`.
@@ -53,6 +58,7 @@ class MultiBDScheduler:
         fitness: str,
         batch_size: int,
         rng: np.random.Generator,
+        emitter: Emitter | None = None,
     ) -> None:
         if "evaluation" not in archive.field_list:
             raise SchedulerError(
@@ -70,7 +76,9 @@ class MultiBDScheduler:
         self._space = space
         self._batch_size = batch_size
         self._rng = rng
+        self._emitter: Emitter = MESEmitter(space) if emitter is None else emitter
         self._asked: int | None = None
+        self._emitted = False
         self._aside: dict[str, BatchData] = {}
         for name, spec in ranges.specs.items():
             if archive.specs.get(name) != spec:
@@ -85,8 +93,7 @@ class MultiBDScheduler:
     def ask(self, n: int | None = None) -> NDArray[np.float64]:
         """Make the next generation.
 
-        While every grid is empty it is uniformly random. Otherwise the grids with elites share it
-        evenly; what does not divide goes to the first of them, in the descriptors' order.
+        While every grid is empty it is uniformly random; otherwise the emitter makes it.
 
         Args:
             n: Number of solutions, if not the batch size.
@@ -103,19 +110,11 @@ class MultiBDScheduler:
                 "for more; call tell first."
             )
         size = self._batch_size if n is None else n
-        names = [name for name, grid in self.archive.grids.items() if not grid.empty]
-        if not names:
+        if self.archive.empty:
             solutions = self._space.sample(size, rng=self._rng)
         else:
-            share, rest = divmod(size, len(names))
-            emitters = [MESEmitter(self.archive, name, self._space) for name in names]
-            solutions = np.concatenate(
-                [
-                    emitter.ask(share + (i < rest), rng=self._rng)
-                    for i, emitter in enumerate(emitters)
-                ]
-            )
-        self._asked = size
+            solutions = self._emitter.ask(size, archive=self.archive, rng=self._rng)
+        self._asked, self._emitted = size, not self.archive.empty
         return solutions
 
     def tell(
@@ -138,8 +137,8 @@ class MultiBDScheduler:
             raise SchedulerError(
                 f"Expected the {self._asked} solutions asked for, but got {len(solutions)}."
             )
-        self.inject(solutions, values, evaluation=evaluation)
-        self._asked = None
+        self._take(solutions, values, evaluation=np.asarray(evaluation), asked=self._emitted)
+        self._asked, self._emitted = None, False
 
     def inject(
         self,
@@ -159,24 +158,7 @@ class MultiBDScheduler:
             SchedulerError: Another number of values than of solutions, or a column is missing.
             ArchiveError: A column does not fit the archive.
         """
-        batch = self._offerable(solutions, values, np.asarray(evaluation))
-        ranges = self.ranges.observe(
-            {name: values.measures[name][values.valid] for name in self.archive.descriptors}
-        )
-        learned = [name for name in self.ranges.waiting if name in ranges.specs]
-        aside = {name: self._kept_aside(name, batch) for name in ranges.waiting}
-        complete = False
-        try:
-            for name in learned:
-                self.archive.set_grid(name, ranges.specs[name])
-            early = [self._aside[name] for name in learned if name in self._aside]
-            self.archive.add(**_stack([*early, batch]))
-            complete = True
-        finally:
-            if not complete:
-                for name in learned:
-                    self.archive.drop_grid(name)
-        self.ranges, self._aside = ranges, aside
+        self._take(solutions, values, evaluation=np.asarray(evaluation), asked=False)
 
     def relearn_ranges(self, log: ObservationLog) -> None:
         """Learn the ranges again from everything observed, and rebuild the grids accordingly.
@@ -202,17 +184,62 @@ class MultiBDScheduler:
         self.archive, self.ranges = archive, ranges
         self._aside = {name: self._aside[name] for name in ranges.waiting if name in self._aside}
 
+    def _take(
+        self,
+        solutions: NDArray[np.float64],
+        values: Values,
+        *,
+        evaluation: NDArray[np.integer],
+        asked: bool,
+    ) -> None:
+        rows, batch = self._offerable(solutions, values, evaluation)
+        ranges = self.ranges.observe(
+            {name: values.measures[name][values.valid] for name in self.archive.descriptors}
+        )
+        info = self._offer(batch, ranges)
+        status, value = np.zeros(len(solutions), np.int32), np.full(len(solutions), -np.inf)
+        # What was kept aside comes before the batch.
+        status[rows] = info["status"][len(info["status"]) - len(rows) :]
+        value[rows] = info["value"][len(info["value"]) - len(rows) :]
+        told = Evaluated(
+            solutions=solutions,
+            values=replace(values, passive={}),
+            objective=values.fitness[self.fitness],
+            status=status,
+            value=value,
+            asked=asked,
+        )
+        self._emitter.tell(told, archive=self.archive)
+
+    def _offer(self, batch: BatchData, ranges: DescriptorRanges) -> BatchData:
+        learned = [name for name in self.ranges.waiting if name in ranges.specs]
+        aside = {name: self._kept_aside(name, batch) for name in ranges.waiting}
+        complete = False
+        try:
+            for name in learned:
+                self.archive.set_grid(name, ranges.specs[name])
+            early = [self._aside[name] for name in learned if name in self._aside]
+            info = self.archive.add(**_stack([*early, batch]))
+            complete = True
+        finally:
+            if not complete:
+                for name in learned:
+                    self.archive.drop_grid(name)
+        self.ranges, self._aside = ranges, aside
+        return info
+
     def _offerable(
         self, solutions: NDArray[np.float64], values: Values, evaluation: NDArray[np.integer]
-    ) -> BatchData:
+    ) -> tuple[NDArray[np.intp], BatchData]:
         if len(values) != len(solutions):
             raise SchedulerError(
                 f"Expected the values of {len(solutions)} solutions, but got {len(values)}."
             )
         passive = [name for name in self.archive.fields.extra if name != "evaluation"]
+        stored = {**values.passive, **values.perceived}
         _check_names("fitness", [self.fitness], values.fitness)
         _check_names("measures", self.archive.descriptors, values.measures)
-        _check_names("passive column", passive, values.passive)
+        _check_names("passive column", passive, stored)
         if evaluation.ndim == 0:
             evaluation = evaluation + np.arange(len(solutions))
         if evaluation.shape != (len(solutions),):
@@ -221,7 +248,7 @@ class MultiBDScheduler:
                 f"{evaluation.shape}."
             )
         objective = values.fitness[self.fitness]
-        rows = values.valid & np.isfinite(objective)
+        rows = np.flatnonzero(values.valid & np.isfinite(objective))
         columns = {
             "solution": solutions[rows],
             "objective": objective[rows],
@@ -229,8 +256,8 @@ class MultiBDScheduler:
             "success": values.success[rows],
             "evaluation": evaluation[rows],
         }
-        return self.archive.fields.check(
-            columns | {name: values.passive[name][rows] for name in passive}
+        return rows, self.archive.fields.check(
+            columns | {name: stored[name][rows] for name in passive}
         )
 
     def _kept_aside(self, name: str, batch: BatchData) -> BatchData:

@@ -126,3 +126,17 @@ def test_wrong_number_of_links_is_an_error(trajectories):
 
     with pytest.raises(ValueError, match="zip"):
         wrong.infos(0)
+
+
+@settings(deadline=None, derandomize=True, max_examples=30)
+@given(data=st.data())
+def test_until_a_moment_that_one_is_the_last(data):
+    some = data.draw(columns(SCHEMAS["drawer"]))
+    moments = some.gripper_position.shape[1]
+
+    for moment in range(moments):
+        seen = some.until(moment)
+        assert seen.schema == some.schema
+        for key, array in some.arrays().items():
+            assert getattr(seen, key).tobytes() == array[:, : moment + 1].tobytes()
+        assert seen.infos(0) == some.infos(0)[: moment + 1]

@@ -288,3 +288,51 @@ def test_validate_returns_an_array_of_floats():
 
 def test_solution_has_nine_numbers():
     assert SPACE.dim == 9
+
+
+def test_the_bounds_are_those_of_the_box_around_the_space():
+    assert SPACE.lower.shape == SPACE.upper.shape == (SPACE.dim,)
+    solutions = SPACE.sample(20_000, rng=np.random.default_rng(0))
+    assert ((solutions >= SPACE.lower) & (solutions <= SPACE.upper)).all()
+    # The box is no wider than it must be, wherever samples come close to its sides.
+    width = SPACE.upper - SPACE.lower
+    assert (solutions.min(axis=0) - SPACE.lower < 0.05 * width).all()
+    assert (SPACE.upper - solutions.max(axis=0) < 0.05 * width).all()
+
+
+def test_the_bounds_are_new_arrays_each_time():
+    SPACE.lower[:] = 9.0
+    SPACE.upper[:] = 9.0
+    assert SPACE.lower[0] == -1.0
+    assert SPACE.upper[0] == 1.0
+
+
+@given(seed=seeds)
+def test_the_difference_leads_from_one_solution_to_the_other(seed):
+    generator = np.random.default_rng(seed)
+    one, other = SPACE.sample(20, rng=generator), SPACE.sample(20, rng=generator)
+    difference = SPACE.difference(one, other)
+    np.testing.assert_allclose(SPACE.repair(other + difference), one, atol=1e-12)
+    np.testing.assert_allclose(difference, -SPACE.difference(other, one), atol=1e-12)
+    assert not SPACE.difference(one, one).any()
+
+
+@pytest.mark.parametrize(
+    ("yaw", "other", "way"),
+    [
+        (0.5, -0.5, 1.0),
+        (3.0, -3.0, 6.0 - 2 * np.pi),
+        (-3.0, 3.0, 2 * np.pi - 6.0),
+        (np.pi / 2, -np.pi / 2, -np.pi),
+    ],
+)
+def test_the_difference_in_yaw_is_the_shorter_way_round(yaw, other, way):
+    one, two = np.zeros((2, 1, 9))
+    one[0, 5], two[0, 5] = yaw, other
+    assert SPACE.difference(one, two)[0, 5] == pytest.approx(way)
+    assert not np.delete(SPACE.difference(one, two), 5).any()
+
+
+def test_differences_are_of_solutions():
+    with pytest.raises(SolutionError, match=r"expected solutions of shape \(n, 9\), got \(9,\)"):
+        SPACE.difference(np.zeros((1, 9)), np.zeros(9))

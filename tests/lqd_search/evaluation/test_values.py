@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lqd_search import Values, ValuesError
+from lqd_search import Refusal, Values, ValuesError
 
 
 def columns(**changes):
@@ -34,6 +34,20 @@ def test_a_batch_may_be_empty():
     assert len(values) == 0
 
 
+def test_rows_are_the_chosen_solutions_without_the_refusals_of_the_batch():
+    refusal = Refusal("reach", "fitness", 1, "returned NaN", 1)
+    passive, perceived = {"expert": np.arange(3)}, {"contact": np.arange(6.0).reshape(3, 2)}
+    values = Values(**columns(refusals=(refusal,), passive=passive, perceived=perceived))
+    some = values.rows(np.array([2, 0]))
+    assert some.valid.tolist() == [False, True]
+    assert some.success.tolist() == [False, True]
+    np.testing.assert_equal(some.fitness, {"reach": np.array([np.nan, 1.0])})
+    np.testing.assert_equal(some.measures, {"end.place": np.array([[np.nan] * 2, [1.0, 2.0]])})
+    np.testing.assert_equal(some.passive, {"expert": np.array([2, 0])})
+    np.testing.assert_equal(some.perceived, {"contact": np.array([[4.0, 5.0], [0.0, 1.0]])})
+    assert some.refusals == ()
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -61,6 +75,11 @@ def test_a_batch_may_be_empty():
         ),
         ({"passive": {"expert": np.zeros(2)}}, r"passive column 'expert' .* \(2,\)"),
         ({"passive": {"expert": np.array(1.0)}}, r"passive column 'expert' .* \(\)"),
+        ({"perceived": {"contact": np.zeros((2, 6))}}, r"perceived column 'contact' .* \(2, 6\)"),
+        (
+            {"passive": {"x": np.zeros(3)}, "perceived": {"x": np.zeros(3)}},
+            "columns of different names, but both have 'x'; rename one",
+        ),
     ],
 )
 def test_columns_that_do_not_fit_are_refused(changes, message):

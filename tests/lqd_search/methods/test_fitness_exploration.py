@@ -11,11 +11,14 @@ from lqd_search import (
     ArchiveError,
     BudgetError,
     LanguageDrivenQD,
+    MESEmitter,
     MethodError,
     MultiBDArchive,
     SchedulerError,
     compete_by_coin,
 )
+from lqd_search.emitters.screen import NeighbourScreen
+from lqd_search.emitters.shares import CreditedShares
 
 PASSIVE = {"expert": ((), np.bool_)}
 
@@ -412,3 +415,37 @@ def test_a_small_run_comes_out_as_ever(toy):
         "rare.place": 73,
     }
     assert fingerprint(method) == "7a388da6a34b7098"
+
+
+@pytest.mark.parametrize(
+    ("coin", "digest"), [(False, "ba3d7d9454c9110a"), (True, "28cdb6c67d2b07c1")]
+)
+def test_a_small_run_asks_for_the_same_solutions_as_ever(toy, coin, digest):
+    options = {"competition": compete_by_coin(np.random.default_rng(3)), "cells": 9} if coin else {}
+    method = new_method(toy, evaluations=1289, seed=7, **options)
+    # Rounded, so that they are the same everywhere.
+    asked = np.concatenate([solutions for _, solutions in finish(method, toy)])
+    rounded = np.round(asked * 1e6).astype("<i8")
+    assert hashlib.sha256(rounded.tobytes()).hexdigest()[:16] == digest
+
+
+def test_the_default_emitter_is_that_of_the_paper(toy):
+    one, two = new_method(toy), new_method(toy, emitter=MESEmitter(toy))
+    assert [s.tobytes() for _, s in finish(one, toy)] == [s.tobytes() for _, s in finish(two, toy)]
+
+
+def test_each_short_run_has_an_emitter_of_its_own(toy):
+    def second_run(*, first_finds):
+        emitter = MESEmitter(toy, shares=CreditedShares(), screen=NeighbourScreen(candidates=2))
+        method = new_method(toy, evaluations=960, names=("flat", "near"), emitter=emitter)
+        asked = []
+        for _ in range(5):
+            exploring_flat = "flat" in method.stage
+            asked.append(method.ask())
+            values = toy.evaluate(asked[-1])
+            success = values.success & (first_finds or not exploring_flat)
+            method.tell(dataclasses.replace(values, success=success))
+        assert not emitter._screen.ready
+        return np.stack(asked[3:])
+
+    assert np.array_equal(second_run(first_finds=True), second_run(first_finds=False))

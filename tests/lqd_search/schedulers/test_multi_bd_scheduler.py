@@ -19,7 +19,7 @@ FIELDS = {"evaluation": ((), np.int64), "expert": ((), np.bool_)}
 BATCH = 32
 
 
-def new_scheduler(toy, *, minimum=16, cells=100, seed=0, space=None):
+def new_scheduler(toy, *, minimum=16, cells=100, seed=0, space=None, emitter=None):
     return MultiBDScheduler(
         MultiBDArchive(descriptors=toy.descriptors, solution_dim=toy.dim, extra_fields=FIELDS),
         space or toy,
@@ -27,6 +27,7 @@ def new_scheduler(toy, *, minimum=16, cells=100, seed=0, space=None):
         fitness="near",
         batch_size=BATCH,
         rng=np.random.default_rng(seed),
+        emitter=emitter,
     )
 
 
@@ -106,7 +107,7 @@ def test_another_size_can_be_asked_for(toy):
     run(scheduler, toy, 1)
     solutions = scheduler.ask(2)
     assert solutions.shape == (2, 3)
-    assert space.shares == [1, 1, 0]
+    assert space.shares == [1, 1]
     scheduler.tell(solutions, toy.evaluate(solutions), evaluation=BATCH)
 
 
@@ -161,10 +162,12 @@ def values_at(places, *, fitness):
     )
 
 
-def two_descriptors(toy, *, minimum):
+def two_descriptors(toy, *, minimum, emitter=None, fields=None):
     lengths = {"often": 1, "rare": 1}
     archive = MultiBDArchive(
-        descriptors=lengths, solution_dim=1, extra_fields={"evaluation": ((), np.int64)}
+        descriptors=lengths,
+        solution_dim=1,
+        extra_fields={"evaluation": ((), np.int64), **(fields or {})},
     )
     return MultiBDScheduler(
         archive,
@@ -173,6 +176,7 @@ def two_descriptors(toy, *, minimum):
         fitness="f",
         batch_size=2,
         rng=np.random.default_rng(0),
+        emitter=emitter,
     )
 
 
@@ -499,3 +503,127 @@ def test_the_archive_fills_and_finds_successes(toy):
     run(scheduler, toy, 15)
     random = toy.evaluate(toy.sample(15 * BATCH, rng=np.random.default_rng(0)))
     assert scheduler.archive.elites().successes > 2 * random.success.sum() > 0
+
+
+class Noting:
+    """An emitter that makes zeros, and notes what it is asked and told."""
+
+    def __init__(self, dim):
+        self.dim = dim
+        self.asked = []
+        self.told = []
+
+    def ask(self, n, *, archive, rng):  # noqa: ARG002 -- the protocol's
+        assert not archive.empty
+        self.asked.append(n)
+        return np.zeros((n, self.dim))
+
+    def tell(self, batch, *, archive):
+        self.told.append((batch, len(archive)))
+
+
+def test_the_emitter_is_asked_as_soon_as_there_is_an_elite_and_told_of_everything(toy):
+    emitter = Noting(3)
+    scheduler = new_scheduler(toy, emitter=emitter)
+    run(scheduler, toy, 1)
+    assert emitter.asked == []
+    assert not emitter.told[0][0].asked
+    run(scheduler, toy, 2, first=BATCH)
+    scheduler.inject(np.ones((3, 3)), toy.evaluate(np.ones((3, 3))), evaluation=99)
+    assert emitter.asked == [BATCH, BATCH]
+    assert [batch.asked for batch, _ in emitter.told] == [False, True, True, False]
+    assert [len(batch) for batch, _ in emitter.told] == [BATCH] * 3 + [3]
+    # When it is told of a batch, the archive holds it already.
+    assert all(size > 0 for _, size in emitter.told)
+
+
+def test_a_batch_asked_of_the_emitter_stays_its_own_whatever_is_injected_before_it(toy):
+    emitter = Noting(3)
+    scheduler = new_scheduler(toy, emitter=emitter)
+    run(scheduler, toy, 1)
+    solutions = scheduler.ask()
+    scheduler.inject(np.ones((3, 3)), toy.evaluate(np.ones((3, 3))), evaluation=50)
+    scheduler.tell(solutions, toy.evaluate(solutions), evaluation=60)
+    assert [batch.asked for batch, _ in emitter.told] == [False, False, True]
+
+
+def test_the_emitter_is_told_the_status_and_value_of_each_solution(toy):
+    emitter = Noting(1)
+    scheduler = two_descriptors(toy, minimum=1, emitter=emitter)
+    first = values_at([(1, None), (9, None)], fitness=[0, 0])
+    inject(scheduler, first, first=0)
+    batch, _ = emitter.told[-1]
+    assert (batch.status.tolist(), batch.value.tolist()) == ([2, 2], [0.0, 0.0])
+    values = values_at(
+        [(1, None), (9, None), (1, None), (5, None), (5, None)], fitness=[3, -1, 9, np.nan, 7]
+    )
+    valid = np.array([True, True, False, True, True])
+    inject(scheduler, dataclasses.replace(values, valid=valid), first=2)
+    batch, _ = emitter.told[-1]
+    # Better, worse, failed before it was judged, without a fitness, and the first in its cell.
+    assert batch.status.tolist() == [1, 0, 0, 0, 2]
+    assert batch.value.tolist() == [3.0, -1.0, -np.inf, -np.inf, 7.0]
+    assert batch.objective[[0, 1, 2, 4]].tolist() == [3.0, -1.0, 9.0, 7.0]
+    assert batch.solutions[:, 0].tolist() == [2.0, 3.0, 4.0, 5.0, 6.0]
+    assert batch.found.tolist() == [False] * 5
+
+
+def test_what_was_kept_aside_is_not_mixed_up_with_the_batch(toy):
+    emitter = Noting(1)
+    scheduler = two_descriptors(toy, minimum=3, emitter=emitter)
+    # Of the first batch 0 and 1 wait for the range of `rare`.
+    inject(scheduler, values_at([(1, 10), (5, 20), (9, None)], fitness=[5, 6, 7]), first=0)
+    inject(scheduler, values_at([(1, 10), (1, 30)], fitness=[0, 1]), first=3)
+    batch, _ = emitter.told[-1]
+    assert batch.solutions[:, 0].tolist() == [3.0, 4.0]
+    # Evaluation 3 meets 0 in both grids, as it was kept aside; 4 is the first in its cell.
+    assert rare_elites(scheduler) == {0: 10.0, 1: 20.0, 4: 30.0}
+    assert batch.status.tolist() == [0, 2]
+    assert batch.value.tolist() == [0.0, 1.0]
+
+
+def test_a_batch_of_which_nothing_is_offered_is_told_all_the_same(toy):
+    emitter = Noting(1)
+    scheduler = two_descriptors(toy, minimum=1, emitter=emitter)
+    inject(scheduler, values_at([(1, None), (9, None)], fitness=[np.nan, np.nan]), first=0)
+    batch, _ = emitter.told[-1]
+    assert (batch.status.tolist(), batch.value.tolist()) == ([0, 0], [-np.inf, -np.inf])
+
+
+@pytest.mark.parametrize("where", ["add", "check", "names"])
+def test_of_a_batch_that_failed_the_emitter_is_told_nothing(toy, monkeypatch, where):
+    emitter = Noting(3)
+    scheduler = new_scheduler(toy, emitter=emitter)
+    run(scheduler, toy, 1)
+    solutions = scheduler.ask()
+    values = toy.evaluate(solutions)
+
+    def fail(*_, **__):
+        raise MemoryError("in the archive")
+
+    spoilt = {"check": {"passive": {"expert": np.zeros(BATCH)}}, "names": {"measures": {}}}
+    wrong = dataclasses.replace(values, **spoilt.get(where, {}))
+    with monkeypatch.context() as patch:
+        if where == "add":
+            patch.setattr(scheduler.archive, "add", fail)
+        with pytest.raises((MemoryError, SchedulerError, ArchiveError)):
+            scheduler.tell(solutions, wrong, evaluation=BATCH)
+    assert len(emitter.told) == 1
+    scheduler.tell(solutions, values, evaluation=BATCH)
+    assert emitter.told[-1][0].asked
+
+
+def test_a_field_may_be_a_perceived_column(toy):
+    scheduler = two_descriptors(toy, minimum=1, fields={"touch": ((2,), np.float64)})
+    touch = np.array([[1.0, 2.0], [3.0, 4.0]])
+    values = values_at([(1, None), (9, None)], fitness=[0, 0])
+    with pytest.raises(SchedulerError, match="passive column 'touch' among the values"):
+        inject(scheduler, values, first=0)
+    inject(scheduler, dataclasses.replace(values, perceived={"touch": touch}), first=0)
+    assert scheduler.archive.elites().fields["touch"].tolist() == touch.tolist()
+
+
+def test_no_emitter_sees_the_passive_columns_of_the_values(toy):
+    emitter = Noting(3)
+    run(new_scheduler(toy, emitter=emitter), toy, 2)
+    assert [batch.values.passive for batch, _ in emitter.told] == [{}, {}]

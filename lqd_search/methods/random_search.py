@@ -1,0 +1,130 @@
+"""Random search, the floor that every other method is measured against."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from ribs.typing import FieldDesc
+
+from lqd_search.evaluation.values import Values
+from lqd_search.methods.method import MethodError
+from lqd_search.methods.told_columns import ToldColumns, stack
+from lqd_search.solution_space import SolutionSpace
+
+
+class RandomSearch:
+    """Uniform solutions, every one of them independent of what the others came to.
+
+    It implements `Method`. It puts out all valid solutions, so its memory grows with them.
+
+    Args:
+        space: Where solutions come from.
+        fitness: Name of the fitness that is recorded as the objective.
+        evaluations: Number of evaluations to spend, exactly.
+        batch_size: Number of solutions asked for at once; the last ones may be fewer.
+        rng: Source of randomness.
+        passive_fields: Passive columns to put out, in pyribs' form.
+
+    Raises:
+        MethodError: There is no evaluation, a batch has fewer than two solutions, or a passive
+            field has a name that is taken.
+    """
+
+    def __init__(
+        self,
+        space: SolutionSpace,
+        *,
+        fitness: str,
+        evaluations: int,
+        batch_size: int,
+        rng: np.random.Generator,
+        passive_fields: FieldDesc | None = None,
+    ) -> None:
+        if evaluations < 1 or batch_size < 2:
+            raise MethodError(
+                "Expected at least 1 evaluation and a batch size of at least 2, but got "
+                f"{evaluations} and {batch_size}."
+            )
+        self._space = space
+        self._total = evaluations
+        self._batch_size = batch_size
+        self._rng = rng
+        self._columns = ToldColumns(space.dim, fitness, dict(passive_fields or {}))
+        self._told = [self._columns.none()]
+        self._evaluations = 0
+        self._asked: NDArray[np.float64] | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether all evaluations are spent."""
+        return self._evaluations == self._total
+
+    @property
+    def evaluations(self) -> int:
+        """Number of evaluations told so far."""
+        return self._evaluations
+
+    @property
+    def stage(self) -> str:
+        """What the method is doing: always the same."""
+        return "sampling"
+
+    @property
+    def archive(self) -> None:
+        """None: it has no archive."""
+        return None
+
+    @property
+    def exploration(self) -> Mapping[str, int]:
+        """Empty: it tries no fitness."""
+        return {}
+
+    @property
+    def chosen(self) -> None:
+        """None: it tries no fitness."""
+        return None
+
+    def output(self) -> Mapping[str, NDArray[Any]]:
+        """Return all valid solutions so far, distinct, in the order of their evaluation.
+
+        Returns:
+            The columns `solution`, `objective` (NaN where undefined), `success` and `evaluation`,
+            and the passive fields.
+        """
+        return stack(self._told).output()
+
+    def ask(self) -> NDArray[np.float64]:
+        """Return the next solutions.
+
+        Returns:
+            (n, dim) solutions, n being the batch size or what is left of the evaluations.
+
+        Raises:
+            MethodError: The ones before have not been told yet, or all is done.
+        """
+        if self._asked is not None or self.done:
+            why = "all evaluations are spent" if self.done else "the last ones were not told yet"
+            raise MethodError(f"Expected no further call of ask, since {why}.")
+        n = min(self._batch_size, self._total - self._evaluations)
+        self._asked = self._space.sample(n, rng=self._rng)
+        return self._asked.copy()
+
+    def tell(self, values: Values) -> None:
+        """Take what the solutions asked for last came to.
+
+        After an error nothing has changed, and it may be called again.
+
+        Args:
+            values: As many as were asked for, with the fitness and every passive field.
+
+        Raises:
+            MethodError: Nothing was asked for, their number is another, or a column is missing or
+                of another form.
+        """
+        if self._asked is None:
+            raise MethodError("Expected a call of ask before tell.")
+        told = self._columns.take(self._asked, values, first_evaluation=self._evaluations)
+        self._told.append(told.rows(told.valid))
+        self._evaluations += len(told)
+        self._asked = None

@@ -1,0 +1,36 @@
+"""The tutorial of a search of one's own: its code is that of its example, and all of it runs."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "own_search.py"
+TUTORIAL = ROOT / "docs" / "tutorials" / "own-search.md"
+BLOCKS = re.findall(
+    r"^```python\n(.*?)^```$", TUTORIAL.read_text("utf-8"), re.DOTALL | re.MULTILINE
+)
+
+
+def test_the_first_block_is_the_example():
+    assert BLOCKS[0] == EXAMPLE.read_text("utf-8")
+
+
+def test_the_example_finds_throws_that_hit():
+    run = subprocess.run(
+        [sys.executable, EXAMPLE], capture_output=True, text=True, check=True, timeout=300
+    )
+
+    found, hits = map(int, re.fullmatch(r"(\d+) throws, (\d+) of them hit\n", run.stdout).groups())
+    assert found > hits > 300
+
+
+def test_pyribs_scheduler_runs_on_the_archive():
+    namespace = {}
+
+    exec(compile(BLOCKS[1], str(TUTORIAL), "exec"), namespace)
+
+    elites = namespace["archive"].elites()
+    assert elites.successes > 0
+    assert all(len(grid) > 10 for grid in namespace["archive"].grids.values())

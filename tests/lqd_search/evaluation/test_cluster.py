@@ -1,0 +1,108 @@
+import logging
+import sys
+import threading
+from contextlib import contextmanager
+from operator import add
+
+import pytest
+
+from lqd_search.evaluation import cluster
+from lqd_search.evaluation.cluster import ClusterError, open_cluster
+
+
+@contextmanager
+def running(*, n_workers):
+    """The address of a scheduler whose workers are threads of this process."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=n_workers,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp://",
+        dashboard_address="127.0.0.1:0",
+    ) as local:
+        yield local.scheduler_address
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    monkeypatch.setattr(cluster, "_CONNECT_SECONDS", 0.5)
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["", "local", "local:0", "local:-1", "local:two", "tcp://host", "host:8786", "tls://host:1"],
+)
+def test_addresses_of_another_form_are_refused(address):
+    with (
+        pytest.raises(ClusterError, match=rf"'tcp://host:port' .*'local:N'.* but got '{address}'"),
+        open_cluster(address),
+    ):
+        pass
+
+
+def test_a_running_scheduler_is_connected_to_quietly():
+    with running(n_workers=1) as address:
+        logger = logging.getLogger("distributed.client")
+        level = logger.level
+        with open_cluster(address) as client:
+            assert client.submit(add, 1, 2).result() == 3
+            assert logger.level == logging.ERROR
+        assert client.status == "closed"
+        assert logger.level == level
+
+
+@pytest.mark.usefixtures("impatient")
+def test_nothing_at_the_address_is_an_error():
+    with (
+        pytest.raises(ClusterError, match=r"scheduler at tcp://127\.0\.0\.1:9, but nothing.*start"),
+        open_cluster("tcp://127.0.0.1:9"),
+    ):
+        pass
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_scheduler_without_workers_is_an_error():
+    with (
+        running(n_workers=0) as address,
+        pytest.raises(ClusterError, match=f"`dask worker {address}`"),
+        open_cluster(address),
+    ):
+        pass
+
+
+def test_workers_with_other_versions_are_refused(monkeypatch):
+    def versions():
+        here = threading.current_thread() is threading.main_thread()
+        return {"mujoco": "4.0.0", "numpy": "2.4.6" if here else "2.3.0"}
+
+    monkeypatch.setattr(cluster, "installed_versions", versions)
+    with (
+        running(n_workers=1) as address,
+        pytest.raises(ClusterError, match=r"have numpy 2\.4\.6 as here, but it has 2\.3\.0"),
+        open_cluster(address),
+    ):
+        pass
+
+
+def test_workers_that_cannot_say_their_versions_are_refused(monkeypatch):
+    def versions():
+        raise ModuleNotFoundError("No module named 'lqd_search'")
+
+    monkeypatch.setattr(cluster, "installed_versions", versions)
+    with (
+        running(n_workers=1) as address,
+        pytest.raises(ClusterError, match=r"ModuleNotFoundError: No module .*; install lqd-envs"),
+        open_cluster(address),
+    ):
+        pass
+
+
+def test_a_missing_package_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with (
+        pytest.raises(ClusterError, match=r"distributed is not .*`pip install 'lqd-envs\[cluster"),
+        open_cluster("local:1"),
+    ):
+        pass
