@@ -1,5 +1,6 @@
 """The progress bar of a run."""
 
+from pathlib import Path
 from types import TracebackType
 
 from rich.console import Console
@@ -21,7 +22,7 @@ _WIDE_ENOUGH_FOR_A_BAR = 110
 
 
 class RunProgress:
-    """Shows evaluations, successes, coverage and evaluations per second.
+    """Shows evaluations, successes, coverage (where there are grids) and evaluations per second.
 
     In a line of 80 columns, which is also what is printed where there is no terminal, the figures
     come first: the stage is cut short, and there is no bar.
@@ -29,17 +30,21 @@ class RunProgress:
     Args:
         title: What is searched for.
         total: Evaluations in all.
+        folder: The run's folder, which is named at the start: a run that is killed can be resumed.
         console: Where to show them; standard error by default.
     """
 
-    def __init__(self, title: str, *, total: int, console: Console | None = None) -> None:
+    def __init__(
+        self, title: str, *, total: int, folder: Path, console: Console | None = None
+    ) -> None:
         console = console or Console(stderr=True)
         self._progress = Progress(
             *_columns(total, width=console.width), console=console, expand=True
         )
         console.print(title, highlight=False, markup=False)
+        console.print(f"Run folder: {folder}", highlight=False, markup=False, soft_wrap=True)
         self._bar = self._progress.add_task(
-            "first batch", total=total, successes=0, coverage=0.0, rate=0.0
+            "first batch", total=total, successes=0, coverage="", rate=0.0
         )
 
     def __enter__(self) -> "RunProgress":
@@ -63,8 +68,8 @@ class RunProgress:
             completed=metrics.evaluations,
             description=metrics.stage,
             successes=metrics.success_archive_size,
-            coverage=metrics.coverage,
-            rate=metrics.evaluations / metrics.seconds,
+            coverage=_coverage(metrics),
+            rate=metrics.evaluations / max(metrics.seconds, 1e-9),
         )
 
     def warn(self, refusal: Refusal, motion: int) -> None:
@@ -77,6 +82,10 @@ class RunProgress:
         )
 
 
+def _coverage(metrics: Metrics) -> str:
+    return "" if metrics.coverage is None else f"coverage {metrics.coverage:.1%}, "
+
+
 def _columns(total: int, *, width: int) -> list[ProgressColumn]:
     stage = Column(ratio=1, no_wrap=True, overflow="ellipsis")
     evaluations = Column(no_wrap=True, min_width=2 * len(str(total)) + 1)
@@ -86,7 +95,7 @@ def _columns(total: int, *, width: int) -> list[ProgressColumn]:
         *bar,
         MofNCompleteColumn(table_column=evaluations),
         TextColumn(
-            "{task.fields[successes]:,} successes, coverage {task.fields[coverage]:.1%}, "
+            "{task.fields[successes]:,} successes, {task.fields[coverage]}"
             "{task.fields[rate]:,.0f}/s",
             table_column=Column(no_wrap=True),
         ),

@@ -1,23 +1,22 @@
-"""`lqd replay`: one motion of an archive, once more."""
+"""`lqd replay`: one motion of a run, once more."""
 
 import sys
 from pathlib import Path
 
 import click
-import numpy as np
 
 from lqd_envs import LQDError, get_task
 from lqd_envs.rendering_backend import has_display
+from lqd_search.cli.stored_motion import StoredMotion, best_success
 from lqd_search.cli.video import check_video_path, write_video
-from lqd_search.runs.replay import Replay, replay
+from lqd_search.runs.replay import replay
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
-from lqd_search.runs.stored_archive import StoredArchive
 
 _DIFFERENT = 1
 
 
-@click.command("replay", short_help="Carry out a motion of an archive again.")
+@click.command("replay", short_help="Carry out a motion of a run again.")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--index", type=click.IntRange(min=0), help="Which elite, by its row in the archive.")
 @click.option(
@@ -26,57 +25,41 @@ _DIFFERENT = 1
     help="The success of the highest fitness, by the inferred condition.  [default]",
 )
 @click.option(
+    "--outcome",
+    type=click.IntRange(min=0),
+    help="Which of all distinct successes of the run, by its row in outcomes.npz.",
+)
+@click.option(
     "--video",
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write a video (.mp4) instead of opening a window.",
 )
-def replay_command(*, folder: Path, index: int | None, best: bool, video: Path | None) -> None:
-    """Carry out a motion of the archive in DIR, step by step in the Gymnasium env.
+def replay_command(
+    *, folder: Path, index: int | None, best: bool, outcome: int | None, video: Path | None
+) -> None:
+    """Carry out a motion of the run in DIR, step by step in the Gymnasium env.
 
     With a display it is shown in a window; without one, only what it came to is printed. Either
     way it is compared, bit for bit, with what the search saw; where it differs, the exit status
     is 1.
     """
-    if best and index is not None:
-        raise LQDError("Expected --index or --best, got both; leave one out.")
+    _refuse_two_choices(index=index, best=best, outcome=outcome)
     run = RunFolder.open(folder)
-    config, archive = run.config(), run.archive()
+    config = run.config()
     task = get_task(config.task)
-    row = best_success(archive) if index is None else _checked_index(archive, index)
+    motion = _chosen(run, index=index, outcome=outcome)
     if video:
         check_video_path(video)
     mode = "rgb_array" if video else "human" if has_display() else None
-    shown = replay(task.id, archive.fields["solution"][row], render_mode=mode)
+    shown = replay(task.id, motion.solution, render_mode=mode)
     if video:
         write_video(video, shown.frames)
-    click.echo(_report(archive, row, shown))
+    click.echo(motion.report(shown))
     if video:
         click.echo(f"video: {video}")
-    if not is_same(archive, row, shown):
+    if not motion.is_same(shown):
         click.echo(f"lqd: {difference(config)}", err=True)
         sys.exit(_DIFFERENT)
-
-
-def best_success(archive: StoredArchive) -> int:
-    """Return the row of the success of the highest fitness, by the inferred condition.
-
-    Raises:
-        LQDError: The archive holds no success.
-    """
-    success = archive.fields["success"]
-    if not success.any():
-        raise LQDError(
-            f"Expected a success in the archive, but none of its {len(archive)} elites is one by "
-            "the inferred condition; choose an elite with --index, or search longer."
-        )
-    return int(np.argmax(np.where(success, archive.fields["objective"], -np.inf)))
-
-
-def is_same(archive: StoredArchive, row: int, shown: Replay) -> bool:
-    """Return whether a replay is, bit for bit, what the run saw of that row of its archive."""
-    fields = archive.fields
-    same_infos = shown.same_as_batch and shown.digest == int(fields["digest"][row])
-    return same_infos and shown.success == bool(fields["expert"][row])
 
 
 def difference(config: RunConfig) -> str:
@@ -92,38 +75,18 @@ def difference(config: RunConfig) -> str:
     return f"Expected the motion that the run saw, but this replay differs from it: {why}"
 
 
-def _checked_index(archive: StoredArchive, index: int) -> int:
-    if index >= len(archive):
+def _refuse_two_choices(*, index: int | None, best: bool, outcome: int | None) -> None:
+    choices = {"--index": index is not None, "--best": best, "--outcome": outcome is not None}
+    given = [name for name, chosen in choices.items() if chosen]
+    if len(given) > 1:
         raise LQDError(
-            f"Expected an index below {len(archive)}, the number of elites in the archive, got "
-            f"{index}."
+            f"Expected one of --index, --best and --outcome, got {' and '.join(given)}; leave "
+            f"{'one' if len(given) == 2 else 'two'} out."
         )
-    return index
 
 
-def _report(archive: StoredArchive, row: int, shown: Replay) -> str:
-    fields = archive.fields
-    expert, digest = bool(fields["expert"][row]), int(fields["digest"][row])
-    end = shown.infos[-1]
-    lines = [
-        f"elite {row} of {len(archive)}, evaluation {fields['evaluation'][row]}, "
-        f"fitness {fields['objective'][row]:.6g}",
-        f"solution: {np.array2string(fields['solution'][row], precision=4, separator=', ')}",
-        f"success: {_yes(shown.success)} by the expert's condition (in the run: {_yes(expert)}; "
-        f"by the inferred one: {_yes(bool(fields['success'][row]))})",
-        f"infos equal to a batch rollout's, bit for bit: {_yes(shown.same_as_batch)}",
-        f"infos equal to those of the run, bit for bit: {_yes(shown.digest == digest)}",
-        "at the end: "
-        + ", ".join(
-            [
-                *(f"{name} {value:.4f}" for name, value in end["joint_positions"].items()),
-                "gripper at "
-                + np.array2string(np.asarray(end["gripper_position"]), precision=3, separator=", "),
-            ]
-        ),
-    ]
-    return "\n".join(lines)
-
-
-def _yes(value: bool) -> str:
-    return "yes" if value else "no"
+def _chosen(run: RunFolder, *, index: int | None, outcome: int | None) -> StoredMotion:
+    if outcome is not None:
+        return StoredMotion.outcome(run.outcomes(), outcome)
+    archive = run.archive()
+    return StoredMotion.elite(archive, best_success(archive) if index is None else index)

@@ -6,6 +6,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from lqd_search.evaluation.descriptor_report import DescriptorReport
 from lqd_search.runs.summary import Summary
 
 
@@ -13,21 +14,34 @@ def print_summary(summary: Summary) -> None:
     """Print the contents of a run's `summary.json` on standard output."""
     console = Console()
     console.print(_figures(summary))
-    console.print(_grids(summary))
+    console.print(_verdicts(summary))
+    if summary["grids"]:
+        console.print(_grids(summary))
     if summary["refused"]:
         console.print(_refusals(summary))
     for sentence in summary["dropped"]:
         console.print(f"Not used: {sentence}", markup=False)
     if summary["waiting_descriptors"]:
-        console.print(
-            "Without a grid, since too few motions defined them: "
-            + ", ".join(summary["waiting_descriptors"])
-        )
+        names = ", ".join(summary["waiting_descriptors"])
+        console.print(f"Without a grid, since too few motions defined them: {names}.")
+    for sentence in _report(summary).sentences():
+        console.print(sentence, markup=False, highlight=False)
+    if summary["method"] == "handcrafted":
+        console.print("Steered by the expert; the inferred condition here is the expert's own.")
+        return
     console.print(
         f"Functionals: recorded sample {summary['sample']}, model {summary['model']}. "
         f"{summary['provenance']}",
         markup=False,
         highlight=False,
+    )
+
+
+def _report(summary: Summary) -> DescriptorReport:
+    return DescriptorReport(
+        same=tuple(map(tuple, summary["same_descriptors"])),
+        degenerate=tuple(summary["degenerate_descriptors"]),
+        undefined=tuple(summary["undefined_descriptors"]),
     )
 
 
@@ -37,7 +51,6 @@ def _figures(summary: Summary) -> Table:
     table.add_column()
     table.add_column(justify="right")
     rejected, discarded = summary["rejected"], summary["discarded"]
-    confusion = summary["confusion"]
     rows = [
         ("evaluations", summary["evaluations"]),
         ("rejected", sum(rejected.values())),
@@ -45,9 +58,6 @@ def _figures(summary: Summary) -> Table:
         ("discarded", sum(discarded.values())),
         *((f"  {cause}", count) for cause, count in discarded.items()),
         ("valid", summary["valid"]),
-        ("  successes by both conditions", confusion["both"]),
-        ("  by the inferred condition only", confusion["inferred_only"]),
-        ("  by the expert's condition only", confusion["expert_only"]),
         ("distinct elites", summary["archive_size"]),
         ("  inferred successes among them", summary["inferred_archive_size"]),
         ("success archive size (expert)", summary["success_archive_size"]),
@@ -63,6 +73,40 @@ def _figures(summary: Summary) -> Table:
         kept = " (kept)" if name == summary["chosen_fitness"] else ""
         table.add_row(f"exploring {name}{kept}", f"{found:,}")
     return table
+
+
+def _verdicts(summary: Summary) -> Table:
+    """Return the confusion table of the inferred condition beside the expert's."""
+    table = Table(
+        title="Successes by the inferred and the expert's condition",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    table.add_column(no_wrap=True)
+    for column in ("both", "inferred only", "expert only", "neither", "precision", "recall"):
+        table.add_column(column, justify="right")
+    confusion, outcomes = summary["confusion"], summary["outcomes"]
+    for name, counts in (
+        ("valid motions", confusion),
+        ("distinct solutions", {**outcomes, "neither": None}),
+    ):
+        both, inferred, expert = (counts[k] for k in ("both", "inferred_only", "expert_only"))
+        neither = counts["neither"]
+        table.add_row(
+            name,
+            f"{both:,}",
+            f"{inferred:,}",
+            f"{expert:,}",
+            "" if neither is None else f"{neither:,}",
+            _share(both, both + inferred),
+            _share(both, both + expert),
+        )
+    return table
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{part / whole:.1%}" if whole else "-"
 
 
 def _grids(summary: Summary) -> Table:

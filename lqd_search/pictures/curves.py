@@ -13,7 +13,8 @@ def draw_curves(metrics: Sequence[Metrics], *, title: str) -> bytes:
     """Draw how a run went, one point a generation.
 
     The archive's curves break where another archive's turn begins: each short run of the fitness
-    exploration fills its own, and the one that is kept goes on in rebuilt grids.
+    exploration fills its own, and the one that is kept goes on in rebuilt grids. Of a method
+    without grids there is no coverage to draw.
 
     Args:
         metrics: A row for each generation, in order.
@@ -22,17 +23,20 @@ def draw_curves(metrics: Sequence[Metrics], *, title: str) -> bytes:
     Returns:
         A PNG file.
     """
-    figure = new_figure(8.0, 6.0)
-    sizes, coverage = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    has_grids = any(row.coverage is not None for row in metrics)
+    figure = new_figure(8.0, 6.0 if has_grids else 4.4)
     figure.suptitle(title)
-    _draw(sizes, metrics, "success_archive_size", label="expert's condition", color="C0")
-    _draw(sizes, metrics, "inferred_archive_size", label="inferred condition", color="C1")
-    sizes.set_ylabel("distinct successes in the archive")
-    sizes.legend(loc="upper left")
-    _draw(coverage, metrics, "coverage", label="coverage", color="C2")
-    coverage.set_ylabel("filled cells,\nmean over grids")
-    coverage.set_xlabel("evaluations")
-    for axes in (sizes, coverage):
+    ratios = (2, 1) if has_grids else (1,)
+    panels = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)[:, 0]
+    _draw(panels[0], metrics, "success_archive_size", label="expert's condition", color="C0")
+    _draw(panels[0], metrics, "inferred_archive_size", label="inferred condition", color="C1")
+    panels[0].set_ylabel("distinct successes in the archive")
+    panels[0].legend(loc="upper left")
+    if has_grids:
+        _draw(panels[1], metrics, "coverage", label="coverage", color="C2")
+        panels[1].set_ylabel("filled cells,\nmean over grids")
+    panels[-1].set_xlabel("evaluations")
+    for axes in panels:
         axes.set_ylim(bottom=0.0)
         axes.grid(alpha=0.3)
         _mark_stages(axes, metrics)

@@ -16,7 +16,8 @@ from lqd_search.runs.stored_archive import StoredGrid
 def draw_heat_map(name: str, grid: StoredGrid, *, fields: Mapping[str, NDArray[Any]]) -> bytes:
     """Draw one grid: for each pair of measures, how many cells behind one another hold successes.
 
-    Places where only failures are kept are grey.
+    Places where only failures are kept are grey. A grid of one measure is drawn as a row of its
+    elites' objectives.
 
     Args:
         name: The descriptor.
@@ -26,20 +27,44 @@ def draw_heat_map(name: str, grid: StoredGrid, *, fields: Mapping[str, NDArray[A
     Returns:
         A PNG file.
     """
+    if len(grid.spec.dims) == 1:
+        return _draw_row(name, grid, fields=fields)
     pairs = list(combinations(range(len(grid.spec.dims)), 2))
     columns = min(len(pairs), 3)
     rows = -(-len(pairs) // columns)
     figure = new_figure(4.4 * columns, 3.8 * rows + 0.4)
     success = fields["success"][grid.elites]
-    figure.suptitle(
-        f"{name}: {len(grid.cells)} of {int(np.prod(grid.spec.dims))} cells, "
-        f"{int(success.sum())} with a success"
-    )
+    figure.suptitle(_title(name, grid, success))
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for panel in panels[len(pairs) :]:
         panel.set_axis_off()
     for panel, pair in zip(panels, pairs, strict=False):
         _draw_pair(panel, grid, success, pair=pair)
+    return png(figure)
+
+
+def _title(name: str, grid: StoredGrid, success: NDArray[np.bool_]) -> str:
+    return (
+        f"{name}: {len(grid.cells)} of {int(np.prod(grid.spec.dims))} cells, "
+        f"{int(success.sum())} with a success"
+    )
+
+
+def _draw_row(name: str, grid: StoredGrid, *, fields: Mapping[str, NDArray[Any]]) -> bytes:
+    figure = new_figure(7.4, 4.2)
+    success = fields["success"][grid.elites]
+    figure.suptitle(_title(name, grid, success))
+    axes = figure.subplots()
+    ((low, high),) = grid.spec.ranges
+    place = low + (grid.cells + 0.5) * (high - low) / grid.spec.dims[0]
+    objective = fields["objective"][grid.elites]
+    axes.scatter(place[~success], objective[~success], s=14, color=FAILURE_COLOR, label="failures")
+    axes.scatter(place[success], objective[success], s=14, color="C0", label="successes")
+    axes.set_xlim(low, high)
+    axes.set_xlabel("measure 0")
+    axes.set_ylabel("objective")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="best")
     return png(figure)
 
 

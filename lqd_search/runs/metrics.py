@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.runs.outcome_archive import OutcomeFigures
 from lqd_search.runs.success_archive import SuccessArchive
 from lqd_search.runs.tally import Tally
 
@@ -11,8 +12,9 @@ from lqd_search.runs.tally import Tally
 class Metrics:
     """Where a run stands after a generation.
 
-    The counts run over the whole run; the archive's figures are those of the archive that is
-    being filled, which starts anew with each short run of the fitness exploration.
+    The counts run over the whole run. The archive's figures are those of what the method would put
+    out now; for `ours` that is the archive that is being filled, which starts anew with each short
+    run of the fitness exploration.
 
     Attributes:
         generation: Number of the generation, from 1.
@@ -28,8 +30,10 @@ class Metrics:
         inferred_archive_size: Those of them that the inferred condition approves.
         success_archive_size: Those of them that the expert's condition approves.
         ground_truth_cells: Cells of the ground-truth grid that these fill.
-        coverage: Share of cells that are filled, mean over the grids.
+        coverage: Share of cells that are filled, mean over the grids; None: the method has none.
         clipped: Measures so far that were clipped to an edge cell of the present grids.
+        outcomes: Distinct successes of the whole run, by the expert's condition.
+        outcome_cells: Cells of the ground-truth grid that these fill.
         seconds: Time since the run began, in s.
     """
 
@@ -46,8 +50,10 @@ class Metrics:
     inferred_archive_size: int
     success_archive_size: int
     ground_truth_cells: int
-    coverage: float
+    coverage: float | None
     clipped: int
+    outcomes: int
+    outcome_cells: int
     seconds: float
 
 
@@ -56,8 +62,9 @@ def measure_generation(
     generation: int,
     stage: str,
     tally: Tally,
-    archive: MultiBDArchive,
+    archive: MultiBDArchive | None,
     successes: SuccessArchive,
+    outcomes: OutcomeFigures,
     seconds: float,
 ) -> Metrics:
     """Return the figures of a run after a generation.
@@ -66,8 +73,9 @@ def measure_generation(
         generation: Number of the generation, from 1.
         stage: What the method was doing.
         tally: The run's counts.
-        archive: The archive that is being filled.
-        successes: What of it the expert approves.
+        archive: The archive that is being filled; None: the method has none.
+        successes: What of its output the expert approves.
+        outcomes: How many distinct successes the run has found.
         seconds: Time since the run began.
     """
     return Metrics(
@@ -84,13 +92,15 @@ def measure_generation(
         inferred_archive_size=successes.inferred,
         success_archive_size=successes.size,
         ground_truth_cells=len(successes.cells),
-        coverage=mean_coverage(archive),
-        clipped=sum(archive.clipped.values()),
+        coverage=None if archive is None else mean_coverage(archive),
+        clipped=0 if archive is None else sum(archive.clipped.values()),
+        outcomes=outcomes.expert,
+        outcome_cells=outcomes.cells,
         seconds=seconds,
     )
 
 
 def mean_coverage(archive: MultiBDArchive) -> float:
-    """Return the share of filled cells, mean over the grids; 0 where there is none."""
+    """Return the share of filled cells, mean over the grids; 0 before there is one."""
     shares = [len(grid) / grid.cells for grid in archive.grids.values()]
     return float(sum(shares) / len(shares)) if shares else 0.0

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from lqd_envs import LQDError
 
+_END_RECORD = 22
+
 
 class ColumnError(LQDError):
     """A file's columns cannot be read or have another form; the text says why, in half a line."""
@@ -30,9 +32,11 @@ def read_columns(path: Path) -> dict[str, NDArray[Any]]:
         ColumnError: The file is missing, damaged or none of this form.
     """
     try:
-        with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as file:
+        content = path.read_bytes()
+        with zipfile.ZipFile(io.BytesIO(content)) as file:
             # The whole of a member, since only then its checksum is compared.
             members = {name: file.read(name) for name in file.namelist()}
+        _check_number(len(members), content)
         return {
             name.removesuffix(".npy"): np.lib.format.read_array(
                 io.BytesIO(content), allow_pickle=False
@@ -44,6 +48,14 @@ def read_columns(path: Path) -> dict[str, NDArray[Any]]:
     except (OSError, EOFError, ValueError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
         reason = error.strerror if isinstance(error, OSError) else None
         raise ColumnError(reason or " ".join(str(error).split()) or "it ends too early") from error
+
+
+def _check_number(members: int, content: bytes) -> None:
+    # A damaged byte in a zip's directory may hide what comes after it. How many members there are
+    # is said once more in its last record, behind which NumPy writes no comment.
+    number = int.from_bytes(content[-_END_RECORD:][10:12], "little")
+    if members != number:
+        raise ColumnError(f"expected {number} columns, but there are {members}")
 
 
 def column_of(

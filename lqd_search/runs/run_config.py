@@ -8,10 +8,19 @@ from typing import Any
 
 from lqd_search.runs.json_form import check_form
 
-RUN_FORMAT = 1
+RUN_FORMAT = 2
 """Version of the run folder's layout; a reader refuses one that it does not know."""
 
-_PACKAGES = ("lqd-envs", "gymnasium", "gymnasium-robotics", "mujoco", "numpy", "ribs", "scipy")
+_PACKAGES = (
+    "lqd-envs",
+    "gymnasium",
+    "gymnasium-robotics",
+    "mujoco",
+    "numpy",
+    "pymoo",
+    "ribs",
+    "scipy",
+)
 
 
 def installed_versions() -> dict[str, str]:
@@ -31,6 +40,8 @@ class RunConfig:
         sample: Which recorded sample of the model's replies.
         evaluations: Evaluations to spend.
         batch_size: Solutions in a generation.
+        explored: Number of fitness functions that were inferred, for the exploration of `ours`.
+        failure_competition: How two failures compete for a cell: `fitness` or `coin`.
         prompt_hashes: For each kind of inference, the hash of its prompts.
         model: The model that wrote the functionals, as far as it is known.
         provenance: How its replies were taken.
@@ -46,6 +57,8 @@ class RunConfig:
     sample: int
     evaluations: int
     batch_size: int
+    explored: int
+    failure_competition: str
     prompt_hashes: dict[str, str]
     model: str
     provenance: str

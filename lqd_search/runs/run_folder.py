@@ -1,45 +1,32 @@
 """A run on disk: configuration, functionals, archive, metrics and figures."""
 
-import csv
 import json
 import os
-from collections.abc import Iterable
-from contextlib import suppress
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from shlex import quote
+from shutil import rmtree
+from tempfile import mkdtemp
 from typing import Any
 
-from lqd_envs import LQDError, Task
+from lqd_envs import Task
+from lqd_search.runs.atomic_file import write_atomically
+from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.json_form import FormError, check_form
-from lqd_search.runs.metrics import Metrics
+from lqd_search.runs.kept_state import KeptState
+from lqd_search.runs.metrics_file import MetricsFile
 from lqd_search.runs.run_config import RUN_FORMAT, RunConfig
+from lqd_search.runs.run_folder_error import RunFolderError, cannot_write
 from lqd_search.runs.stored_archive import StoredArchive
+from lqd_search.runs.stored_outcomes import Outcomes, load_outcomes
 from lqd_search.runs.summary import Summary
 
-CONFIG, ARCHIVE, METRICS, SUMMARY = "config.json", "archive.npz", "metrics.csv", "summary.json"
+CONFIG, METRICS, SUMMARY = "config.json", "metrics.csv", "summary.json"
+ARCHIVE, OUTCOMES = "archive.npz", "outcomes.npz"
 FUNCTIONALS, PICTURES = "functionals", "pictures"
-
-
-class RunFolderError(LQDError):
-    """A run folder that cannot be made, written or read."""
-
-
-@dataclass(frozen=True)
-class FunctionText:
-    """The source of one functional, to be kept with the run.
-
-    Attributes:
-        kind: `success`, `fitness`, `timestamp` or `quantity`.
-        name: Its name; its file is `<kind>.<name>.py`, that of the one success `success.py`.
-        description: What it measures, in its author's words.
-        code: Python source.
-    """
-
-    kind: str
-    name: str
-    description: str
-    code: str
 
 
 @dataclass(frozen=True)
@@ -62,19 +49,15 @@ class RunFolder:
             RunFolderError: The folder exists already, or cannot be written.
         """
         refuse_existing(path)
-        folder = cls(path)
         try:
-            path.mkdir(parents=True)
-            (path / FUNCTIONALS).mkdir()
-            (path / PICTURES).mkdir()
-            for text in functionals:
-                name = text.kind if text.kind == "success" else f"{text.kind}.{text.name}"
-                source = f"# {' '.join(text.description.split())}\n{text.code.rstrip()}\n"
-                folder.write(f"{FUNCTIONALS}/{name}.py", source.encode())
-            folder.write(CONFIG, config.to_json().encode())
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # Made beside its place and moved, it is there complete or not at all.
+            with _folder_beside(path) as part:
+                cls(part)._fill(config, functionals)
+                part.rename(path)
         except OSError as error:
             raise _cannot_make(path, error) from error
-        return folder
+        return cls(path)
 
     @classmethod
     def open(cls, path: Path) -> "RunFolder":
@@ -119,6 +102,14 @@ class RunFolder:
         summary: Summary = data
         return summary
 
+    def outcomes(self) -> Outcomes:
+        """Return every distinct success of the run, a column for each field.
+
+        Raises:
+            OutcomeError: They are missing or damaged.
+        """
+        return load_outcomes(self.path / OUTCOMES)
+
     def archive(self) -> StoredArchive:
         """Return the run's archive.
 
@@ -127,22 +118,35 @@ class RunFolder:
         """
         return StoredArchive.load(self.path / ARCHIVE)
 
-    def append_metrics(self, metrics: Metrics) -> None:
-        """Add a row to `metrics.csv`, which can be watched while it grows.
+    @property
+    def state(self) -> KeptState:
+        """What a run that goes on keeps here."""
+        return KeptState(self.path)
+
+    @property
+    def metrics(self) -> MetricsFile:
+        """The figures over time."""
+        return MetricsFile(self.path / METRICS)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run is finished: it has its figures."""
+        return (self.path / SUMMARY).exists()
+
+    def functionals(self) -> dict[str, str]:
+        """Return the functionals' source by file name.
 
         Raises:
-            RunFolderError: It cannot be written.
+            RunFolderError: They cannot be read.
         """
-        path = self.path / METRICS
         try:
-            new = not path.exists()
-            with path.open("a", newline="") as file:
-                writer = csv.DictWriter(file, [column.name for column in fields(Metrics)])
-                if new:
-                    writer.writeheader()
-                writer.writerow(asdict(metrics))
-        except OSError as error:
-            raise _cannot_write(path, error) from error
+            files = sorted((self.path / FUNCTIONALS).glob("*.py"))
+            return {file.name: file.read_text() for file in files}
+        except (OSError, ValueError) as error:
+            raise RunFolderError(
+                f"Expected the functionals' source in {self.path / FUNCTIONALS}, but it cannot be "
+                f"read ({error}); restore the files, or run the search again."
+            ) from error
 
     def write(self, name: str, content: bytes) -> Path:
         """Write a file of the folder as a whole: it is there complete, or not at all.
@@ -151,15 +155,18 @@ class RunFolder:
             RunFolderError: It cannot be written.
         """
         path = self.path / name
-        part = path.with_name(f".{path.name}.part")
         try:
-            part.write_bytes(content)
-            part.replace(path)
+            write_atomically(path, content)
         except OSError as error:
-            with suppress(OSError):
-                part.unlink()
-            raise _cannot_write(path, error) from error
+            raise cannot_write(path, error) from error
         return path
+
+    def _fill(self, config: RunConfig, functionals: Iterable[FunctionText]) -> None:
+        (self.path / FUNCTIONALS).mkdir()
+        (self.path / PICTURES).mkdir()
+        for text in functionals:
+            write_atomically(self.path / FUNCTIONALS / text.file_name, text.source.encode())
+        write_atomically(self.path / CONFIG, config.to_json().encode())
 
     def _of_another_form(self, what: str, name: str, error: FormError) -> RunFolderError:
         reason = str(error).rstrip(".")
@@ -173,10 +180,15 @@ class RunFolder:
         try:
             data = json.loads(path.read_text())
         except FileNotFoundError as error:
-            reason = "has not finished" if (self.path / CONFIG).exists() else "is not there"
+            begun = (self.path / CONFIG).exists()
+            reason = "has not finished" if begun else "is not there"
+            remedy = (
+                f"go on with `lqd run --resume {quote(str(self.path))}`"
+                if begun
+                else "pass the folder that `lqd run` printed"
+            )
             raise RunFolderError(
-                f"Expected a finished run in {self.path}, but it {reason} (no {name}); pass the "
-                "folder that `lqd run` printed."
+                f"Expected a finished run in {self.path}, but it {reason} (no {name}); {remedy}."
             ) from error
         except (OSError, ValueError, RecursionError) as error:
             raise RunFolderError(
@@ -217,15 +229,26 @@ def default_path(task: Task) -> Path:
     return path
 
 
+@contextmanager
+def _folder_beside(path: Path) -> Iterator[Path]:
+    part = Path(mkdtemp(prefix=f".{path.name}.", dir=path.parent))
+    try:
+        part.chmod(0o777 & ~_umask())
+        yield part
+    finally:
+        # Where it was moved to its place, there is nothing left of it here.
+        rmtree(part, ignore_errors=True)
+
+
+def _umask() -> int:
+    # It can only be read by being set.
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
+
+
 def _cannot_make(path: Path, error: OSError) -> RunFolderError:
     return RunFolderError(
         f"Expected to write the run to {path}, but that failed ({error.strerror or error}); choose "
         "a folder that can be written with --out."
-    )
-
-
-def _cannot_write(path: Path, error: OSError) -> RunFolderError:
-    return RunFolderError(
-        f"Expected to write {path}, but that failed ({error.strerror or error}); see to the folder "
-        "and its disk, and run the search again."
     )

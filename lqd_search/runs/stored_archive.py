@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lqd_envs import LQDError
 from lqd_search.archives.grid_spec import GridSpec, GridSpecError
 from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
-from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.methods.method import Method
 from lqd_search.runs.npz_columns import ColumnError, column_of, read_columns
 
 _ELITES: Mapping[str, tuple[type[np.generic], int]] = {
@@ -50,7 +50,7 @@ class StoredGrid:
 
 @dataclass(frozen=True, eq=False)
 class StoredArchive:
-    """The distinct elites of a run, and the grids that they hold cells of.
+    """What a run puts out: distinct solutions, and the grids that they hold cells of.
 
     Attributes:
         fields: A column of m rows for each field: `solution`, `objective`, `success` (the inferred
@@ -66,8 +66,11 @@ class StoredArchive:
         return len(self.fields["solution"])
 
     @classmethod
-    def of(cls, archive: MultiBDArchive) -> "StoredArchive":
-        """Return what of an archive is stored."""
+    def of(cls, method: Method) -> "StoredArchive":
+        """Return what of a method's output is stored; without an archive it has no grids."""
+        archive = method.archive
+        if archive is None:
+            return cls(fields=method.output(), grids={})
         elites = archive.elites()
         return cls(
             fields=elites.fields,

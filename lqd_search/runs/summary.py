@@ -2,9 +2,10 @@
 
 from typing import Any, TypedDict
 
-from lqd_search.methods.fitness_exploration import LanguageDrivenQD
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
+from lqd_search.runs.outcome_archive import OutcomeFigures
 from lqd_search.runs.run_config import RunConfig
+from lqd_search.runs.run_state import RunState
 from lqd_search.runs.success_archive import SuccessArchive
 from lqd_search.runs.tally import Tally
 
@@ -16,6 +17,16 @@ class Confusion(TypedDict):
     inferred_only: int
     expert_only: int
     neither: int
+
+
+class Outcomes(TypedDict):
+    """Distinct successes of the whole run."""
+
+    both: int
+    inferred_only: int
+    expert_only: int
+    ground_truth_cells: int
+    ground_truth_outside: int
 
 
 class GridFigures(TypedDict):
@@ -48,6 +59,7 @@ class Summary(TypedDict):
     sample: int
     evaluations: int
     batch_size: int
+    failure_competition: str
     rejected: dict[str, int]
     discarded: dict[str, int]
     valid: int
@@ -59,10 +71,14 @@ class Summary(TypedDict):
     success_archive_size: int
     ground_truth_cells: int
     ground_truth_outside: int
+    outcomes: Outcomes
     exploration: dict[str, int]
     chosen_fitness: str | None
     grids: list[GridFigures]
     waiting_descriptors: list[str]
+    same_descriptors: list[list[str]]
+    degenerate_descriptors: list[str]
+    undefined_descriptors: list[str]
     refused: list[RefusalFigures]
     dropped: list[str]
     model: str
@@ -72,23 +88,17 @@ class Summary(TypedDict):
 
 
 def summarize(
-    *,
-    config: RunConfig,
-    method: LanguageDrivenQD,
-    tally: Tally,
-    successes: SuccessArchive,
-    seconds: float,
+    *, config: RunConfig, state: RunState, successes: SuccessArchive, outcomes: OutcomeFigures
 ) -> Summary:
     """Return the figures of a run as plain numbers and strings.
 
     Args:
         config: What the run was asked to do.
-        method: The method, done.
-        tally: The run's counts.
+        state: Where it ended.
         successes: What of its output the expert approves.
-        seconds: How long the run took.
+        outcomes: How many distinct successes it found.
     """
-    archive = method.archive
+    archive, tally, report = state.method.archive, state.tally, state.report
     return {
         "task": config.task,
         "method": config.method,
@@ -96,6 +106,7 @@ def summarize(
         "sample": config.sample,
         "evaluations": tally.evaluations,
         "batch_size": config.batch_size,
+        "failure_competition": config.failure_competition,
         "rejected": tally.rejected,
         "discarded": tally.discarded,
         "valid": tally.valid,
@@ -107,15 +118,19 @@ def summarize(
         "success_archive_size": successes.size,
         "ground_truth_cells": len(successes.cells),
         "ground_truth_outside": successes.outside,
-        "exploration": dict(method.exploration),
-        "chosen_fitness": method.chosen,
-        "grids": [_grid(archive, name) for name in archive.grids],
-        "waiting_descriptors": [n for n in archive.descriptors if n not in archive.grids],
+        "outcomes": _outcomes(outcomes),
+        "exploration": dict(state.method.exploration),
+        "chosen_fitness": state.method.chosen,
+        "grids": [_grid(archive, name) for name in archive.grids] if archive else [],
+        "waiting_descriptors": _waiting(archive) if archive else [],
+        "same_descriptors": [list(group) for group in report.same] if report else [],
+        "degenerate_descriptors": list(report.degenerate) if report else [],
+        "undefined_descriptors": list(report.undefined) if report else [],
         "refused": _refused(tally),
         "dropped": list(config.dropped),
         "model": config.model,
         "provenance": config.provenance,
-        "seconds": seconds,
+        "seconds": state.seconds,
         "versions": dict(config.versions),
     }
 
@@ -127,6 +142,20 @@ def _confusion(tally: Tally) -> Confusion:
         "expert_only": tally.confusion[True][False],
         "neither": tally.confusion[False][False],
     }
+
+
+def _outcomes(figures: OutcomeFigures) -> Outcomes:
+    return {
+        "both": figures.both,
+        "inferred_only": figures.success_only,
+        "expert_only": figures.expert_only,
+        "ground_truth_cells": figures.cells,
+        "ground_truth_outside": figures.outside,
+    }
+
+
+def _waiting(archive: MultiBDArchive) -> list[str]:
+    return [name for name in archive.descriptors if name not in archive.grids]
 
 
 def _grid(archive: MultiBDArchive, name: str) -> GridFigures:

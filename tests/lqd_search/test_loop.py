@@ -1,7 +1,7 @@
 import numpy as np
 
 from lqd_search.evaluation.values import Values
-from lqd_search.search import search
+from lqd_search.loop import search
 
 
 class CountingMethod:

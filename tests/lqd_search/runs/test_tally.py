@@ -2,8 +2,8 @@ import numpy as np
 
 from lqd_envs import Verdict
 from lqd_search.evaluation.motion_evaluator import EXPERT, VERDICT
-from lqd_search.runs.tally import Tally
 from lqd_search.evaluation.values import Refusal, Values
+from lqd_search.runs.tally import Tally
 
 
 def batch(refusals=()) -> Values:
