@@ -12,7 +12,7 @@ from lqd_search.evaluation.functionals import FunctionalEvaluator, Functionals
 from lqd_search.evaluation.judge import Judge
 from lqd_search.evaluation.mesh_judge import MeshJudge
 from lqd_search.evaluation.motion_evaluator import MotionEvaluator
-from lqd_search.methods.by_name import DIRECT, EXPERT, METHODS
+from lqd_search.methods.steering import DIRECT, EXPERT, STEERING
 from lqd_search.runs.function_text import FunctionText
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def make_judge(
     Raises:
         FunctionalError: The functionals cannot be used.
     """
-    steering = METHODS[method].steering
+    steering = STEERING[method]
     if steering == EXPERT:
         return ExpertJudge(task)
     motions = _examples(task, threads=threads)
@@ -106,7 +106,7 @@ def make_judge(
 
 def function_texts(inferred: "InferredFunctionals", *, method: str) -> list[FunctionText]:
     """Return the source of the functionals that steer a method; none steer the expert's."""
-    steering = METHODS[method].steering
+    steering = STEERING[method]
     if steering == EXPERT:
         return []
     direct = inferred.direct

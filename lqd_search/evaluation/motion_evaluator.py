@@ -1,15 +1,19 @@
 """From solutions to values: simulate, judge, and note what only a report may know."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from ribs.typing import FieldDesc
 
 from lqd_envs import Task, rollout
 from lqd_search.evaluation.contact import CONTACT, first_contacts
 from lqd_search.evaluation.judge import Judge
 from lqd_search.evaluation.values import Values
+
+if TYPE_CHECKING:
+    # A worker that only evaluates need not import pyribs, which takes seconds.
+    from ribs.typing import FieldDesc
 
 EXPERT = "expert"
 """Passive column: (N,) bool, the expert's verdict."""
@@ -21,7 +25,7 @@ VERDICT = "verdict"
 """Passive column: (N,) uint8, an `lqd_envs.Verdict` each."""
 
 
-def passive_fields(task: Task) -> FieldDesc:
+def passive_fields(task: Task) -> "FieldDesc":
     """Return the passive columns that are stored with each elite, in pyribs' form.
 
     Pass them as the `passive_fields` of a `LanguageDrivenQD` that is told the values of a

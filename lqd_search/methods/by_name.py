@@ -16,15 +16,10 @@ from lqd_search.evaluation.judge import Judge
 from lqd_search.evaluation.motion_evaluator import passive_fields
 from lqd_search.methods.exploration_budget import ExplorationBudget
 from lqd_search.methods.fitness_exploration import LanguageDrivenQD
-from lqd_search.methods.genetic_algorithm import GeneticAlgorithm
 from lqd_search.methods.map_elites_success import MapElitesSuccess
 from lqd_search.methods.method import Method
 from lqd_search.methods.plus_switches import Switch, emitter_with
 from lqd_search.methods.random_search import RandomSearch
-
-MESH, DIRECT, EXPERT = "mesh", "direct", "expert"
-"""What a method is steered by: the inferred functionals and their BD mesh, the three functions of
-the naive inference, or the task's author."""
 
 KEPT_SWITCHES: frozenset[Switch] = frozenset()
 """The switches that are on in `ours_plus`, since they paid on at least three tasks."""
@@ -68,12 +63,10 @@ class NamedMethod:
     """A method as it can be asked for.
 
     Attributes:
-        steering: What it is steered by: `MESH`, `DIRECT` or `EXPERT`.
         build: Makes it.
         summary: What it is, in half a sentence.
     """
 
-    steering: str
     build: Callable[[Setting], Method]
     summary: str
 
@@ -147,7 +140,10 @@ def repair_motions(solutions: NDArray[np.float64]) -> NDArray[np.float64]:
     return SolutionSpace().repair(solutions)
 
 
-def _ga(setting: Setting) -> GeneticAlgorithm:
+def _ga(setting: Setting) -> Method:
+    # Only this method needs pymoo.
+    from lqd_search.methods.genetic_algorithm import GeneticAlgorithm
+
     space = SolutionSpace()
     return GeneticAlgorithm(
         space,
@@ -176,18 +172,15 @@ def _random(setting: Setting) -> RandomSearch:
 METHODS: Mapping[str, NamedMethod] = MappingProxyType(
     {
         "ours": NamedMethod(
-            MESH, language_driven_qd, "Algorithm 1: fitness exploration, then multi-BD MES"
+            language_driven_qd, "Algorithm 1: fitness exploration, then multi-BD MES"
         ),
-        "direct": NamedMethod(
-            DIRECT, _direct, "MES on one grid with what the model wrote all at once"
-        ),
+        "direct": NamedMethod(_direct, "MES on one grid with what the model wrote all at once"),
         "handcrafted": NamedMethod(
-            EXPERT, _handcrafted, "MES with the expert's success, fitness and ground truth"
+            _handcrafted, "MES with the expert's success, fitness and ground truth"
         ),
-        "ga": NamedMethod(DIRECT, _ga, "a genetic algorithm on the fitness of direct"),
-        "random": NamedMethod(MESH, _random, "uniform random solutions, the floor"),
+        "ga": NamedMethod(_ga, "a genetic algorithm on the fitness of direct"),
+        "random": NamedMethod(_random, "uniform random solutions, the floor"),
         "ours_plus": NamedMethod(
-            MESH,
             lambda setting: ours_with(setting, switches=KEPT_SWITCHES),
             "ours with what pays beside it",
         ),
