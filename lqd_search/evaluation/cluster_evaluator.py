@@ -2,8 +2,7 @@
 
 import pickle
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from lqd_search.evaluation.cluster import ClusterError, import_distributed
 from lqd_search.evaluation.concatenation import concatenate_values
 from lqd_search.evaluation.values import Values
+from lqd_search.evaluation.worker_pool import WorkerPool
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -23,12 +23,6 @@ if TYPE_CHECKING:
 
 EvaluatorRecipe = Callable[[], "Evaluate"]
 """Builds an evaluator where it is needed, and can be pickled."""
-
-_RESTART_SECONDS = 60
-_LOST = (
-    "Expected the Dask scheduler to see the evaluation through, but the connection to it is lost; "
-    "see that it is running, then resume the run."
-)
 
 
 class ClusterEvaluator:
@@ -63,7 +57,7 @@ class ClusterEvaluator:
     ) -> None:
         if chunk < 1:
             raise ClusterError(f"Expected chunks of at least one solution, but got {chunk}.")
-        self._cluster = _Cluster(client, patience=patience)
+        self._cluster = WorkerPool(client, patience=patience)
         self._recipe = _pickled(recipe)
         self._chunk = chunk
         self._retries = retries
@@ -125,7 +119,7 @@ class _Batch:
     """The chunks of one batch, each of them waiting, in flight, or back as a part."""
 
     def __init__(
-        self, cluster: "_Cluster", recipe: bytes, chunks: list[_Chunk], *, retries: int
+        self, cluster: WorkerPool, recipe: bytes, chunks: list[_Chunk], *, retries: int
     ) -> None:
         self._cluster = cluster
         self._recipe = recipe
@@ -155,7 +149,9 @@ class _Batch:
         workers = self._cluster.workers() if self._waiting else []
         while self._waiting and len(self._flying) < max(1, len(workers)):
             chunk = self._waiting[0]
-            future = self._cluster.submit(self._recipe, chunk.solutions, workers)
+            future = self._cluster.submit(
+                evaluate_chunk, self._recipe, chunk.solutions, workers=workers
+            )
             self._flying[future] = self._waiting.popleft()
 
     def _land(self, future: Any) -> None:
@@ -197,99 +193,3 @@ class _Batch:
         future.release()
         self._waiting.appendleft(chunk)
         return chunk
-
-
-class _Cluster:
-    """The scheduler and the workers, as far as an evaluation needs them."""
-
-    def __init__(self, client: Any, *, patience: float) -> None:
-        self._client = client
-        self._distributed = import_distributed()
-        self._gone = (
-            OSError,
-            self._distributed.CancelledError,
-            self._distributed.client.ClosedClientError,
-        )
-        self._avoided: set[str] = set()
-        self.patience = patience
-
-    @property
-    def avoids_workers(self) -> bool:
-        return bool(self._avoided)
-
-    def workers(self) -> list[str]:
-        """Return the addresses of the workers that may be used, once for each of their threads."""
-        with self._scheduler():
-            threads = self._client.nthreads()
-        usable = [worker for worker in threads if worker not in self._avoided]
-        if threads and not usable:
-            raise ClusterError(
-                f"Expected a worker that answers, but all {len(threads)} of the cluster hang and "
-                "have no nanny that could restart them; restart them, then resume the run."
-            )
-        return [worker for worker in usable for _ in range(threads[worker])]
-
-    def submit(self, recipe: bytes, solutions: NDArray[np.float64], workers: list[str]) -> Any:
-        only = {"workers": sorted(set(workers))} if self._avoided else {}
-        with self._scheduler():
-            return self._client.submit(evaluate_chunk, recipe, solutions, pure=False, **only)
-
-    def wait(self, futures: list[Any]) -> list[Any]:
-        """Return those that are done, at least one; none if that takes longer than patience."""
-        with self._scheduler(), self._client.as_current():
-            try:
-                done, _ = self._distributed.wait(
-                    futures, timeout=self.patience, return_when="FIRST_COMPLETED"
-                )
-            except TimeoutError:
-                return []
-        # A value that was lost with its worker is on its way again.
-        return [future for future in done if future.status != "lost"] or self.wait(futures)
-
-    def fetch(self, future: Any) -> tuple[int, Values | None]:
-        """Return how many workers died of a chunk that Dask gave up, or else its values."""
-        try:
-            return 0, future.result(timeout=self.patience)
-        except self._distributed.KilledWorker as killed:
-            return killed.allowed_failures + 1, None
-        except self._gone as error:
-            if future.status == "error":  # The evaluation raised it.
-                raise
-            if isinstance(error, TimeoutError):
-                return 0, None
-            raise ClusterError(_LOST) from error
-
-    def placed(self, futures: Iterable[Any]) -> dict[Any, str]:
-        """Return the worker of each chunk that is being evaluated."""
-        with self._scheduler():
-            processing = self._client.processing()
-        worker_of = {key: worker for worker, keys in processing.items() for key in keys}
-        return {future: worker_of[future.key] for future in futures if future.key in worker_of}
-
-    def free(self, workers: set[str]) -> None:
-        """Restart workers that hang, and avoid those that cannot be restarted."""
-        with self._scheduler():
-            known = self._client.scheduler_info()["workers"]
-            restarted = [worker for worker in workers if known.get(worker, {}).get("nanny")]
-            self._avoided |= workers.difference(restarted)
-            # It looks up each worker in the answer, where one that has just left is missing.
-            with suppress(KeyError):
-                self._client.restart_workers(
-                    restarted, timeout=_RESTART_SECONDS, raise_for_error=False
-                )
-
-    def require_workers(self) -> None:
-        if not self.workers():
-            raise ClusterError(
-                f"Expected a cluster with workers, but for {self.patience:g} seconds there was "
-                "none; start some, then resume the run."
-            )
-
-    @contextmanager
-    def _scheduler(self) -> Iterator[None]:
-        if self._client.status == "closed":
-            raise ClusterError(_LOST)
-        try:
-            yield
-        except self._gone as error:
-            raise ClusterError(_LOST) from error
