@@ -1,12 +1,15 @@
 """From solutions to values: simulate, judge, and note what only a report may know."""
 
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs import Task, rollout
+from lqd_envs import Task, Trajectories, rollout
+from lqd_search.evaluation.concatenation import concatenate_values
 from lqd_search.evaluation.contact import CONTACT, first_contacts
 from lqd_search.evaluation.judge import Judge
 from lqd_search.evaluation.values import Values
@@ -52,19 +55,36 @@ class MotionEvaluator:
         while not method.done:
             method.tell(evaluate(method.ask()))
 
+    The motions of one chunk are judged while those of the next are simulated.
+
     Attributes:
         task: The task.
         judge: Turns the motions into values.
         threads: Threads to simulate on; 0: one for each CPU. The values do not depend on it.
+        chunk: Solutions that are simulated at once. The values do not depend on it.
     """
 
     task: Task
     judge: Judge
     threads: int = 0
+    chunk: int = 512
 
     def __call__(self, solutions: NDArray[np.float64]) -> Values:
         """Evaluate (N, 9) solutions; the values carry four passive columns and the contacts."""
-        trajectories = rollout(self.task, solutions, threads=self.threads)
+        starts = range(0, max(len(solutions), 1), self.chunk)
+        parts: list[Values] = []
+        # Physics needs no Python, so a thread is enough to let both go on at the same time.
+        with ThreadPoolExecutor(max_workers=1) as pool:
+            simulated = deque[Future[Trajectories]]()
+            for start in starts:
+                chunk = solutions[start : start + self.chunk]
+                simulated.append(pool.submit(rollout, self.task, chunk, threads=self.threads))
+                if len(simulated) > 1:
+                    parts.append(self._judged(simulated.popleft().result()))
+            parts.append(self._judged(simulated.popleft().result()))
+        return concatenate_values(parts)
+
+    def _judged(self, trajectories: Trajectories) -> Values:
         return replace(
             self.judge(trajectories),
             passive={

@@ -63,3 +63,28 @@ def test_the_passive_fields_are_those_of_the_columns(few):
 def test_it_judges_the_motions_of_a_rollout(few):
     values = MotionEvaluator(TASK, ExpertJudge(TASK))(few)
     assert values.passive["digest"].tolist() == rollout(TASK, few).digests().tolist()
+
+
+@pytest.mark.parametrize("chunk", [1, 5, 12, 100])
+def test_the_values_do_not_depend_on_the_chunks(few, chunk):
+    judge = Silent()
+    chunked = MotionEvaluator(TASK, judge, chunk=chunk)(few)
+    whole = MotionEvaluator(TASK, ExpertJudge(TASK))(few)
+    np.testing.assert_equal(vars(chunked), vars(whole))
+    assert [len(motions) for motions in judge.given] == [
+        min(chunk, len(few) - start) for start in range(0, len(few), chunk)
+    ]
+
+
+def test_no_solutions_have_no_values(few):
+    values = MotionEvaluator(TASK, ExpertJudge(TASK))(few[:0])
+    assert len(values) == 0
+    assert list(values.measures) == ["ground_truth"]
+
+
+def test_an_error_of_the_judge_is_raised(few):
+    def refuse(trajectories):
+        raise RuntimeError(f"{len(trajectories)} motions")
+
+    with pytest.raises(RuntimeError, match="5 motions"):
+        MotionEvaluator(TASK, refuse, chunk=5)(few)
