@@ -1,16 +1,24 @@
 """Inference: from an instruction to the functionals that steer a run."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain, zip_longest
 from pathlib import Path
+from typing import Any
 
 from lqd_envs.perception import PerceptionSchema
-from lqd_llm.errors import FunctionError, InferenceError, RecordingError
-from lqd_llm.functions import DIRECT_ENTRIES, ENTRIES, InferredFunction, build_function
-from lqd_llm.prompts import COUNTS, KINDS, prompt_hash, render_prompt, render_system
+from lqd_llm.errors import FunctionError, RecordingError
+from lqd_llm.function_choice import FunctionChoice, choose_direct, choose_functions
+from lqd_llm.functions import ENTRIES, FunctionCall, InferredFunction, build_function
+from lqd_llm.inquiry import Inquiry
+from lqd_llm.keeping_provider import KeepingProvider
+from lqd_llm.model_options import ModelOptions
+from lqd_llm.prompts import KINDS, prompt_hash, render_prompt, render_system
+from lqd_llm.provider import Provider
 from lqd_llm.recordings import Recording, load_recording
-from lqd_llm.reply import Reply
+from lqd_llm.repair import CheckFunction, check_and_repair
+from lqd_llm.reply import FunctionSource
+from lqd_llm.usage import Usage
 
 
 @dataclass(frozen=True)
@@ -42,6 +50,8 @@ class InferredFunctionals:
         model: The model, as far as it is known.
         provenance: How the replies were taken.
         dropped: One sentence for each function of a reply that is not used.
+        repaired: One sentence for each function that the model had to repair.
+        usage: What the answers took when they were given, repairs included.
     """
 
     success: InferredFunction
@@ -53,12 +63,82 @@ class InferredFunctionals:
     model: str
     provenance: str
     dropped: tuple[str, ...]
+    repaired: tuple[str, ...] = ()
+    usage: Usage = field(default_factory=Usage)
 
 
-@dataclass(frozen=True)
-class _Built:
-    functions: tuple[InferredFunction, ...]
-    dropped: tuple[str, ...]
+def infer(
+    *,
+    instruction: str,
+    schema: PerceptionSchema,
+    provider: Provider,
+    check: CheckFunction,
+    options: ModelOptions | None = None,
+    sample: int = 0,
+    transcript: Path | None = None,
+) -> InferredFunctionals:
+    """Ask for all functionals of a task, check them, and have repaired those that fail.
+
+    Each kind is asked in one request, since it is within a reply that functions are sampled without
+    replacement. A function that fails its check is repaired up to `MAX_REPAIRS` times; one that
+    still fails is dropped and reported, as is one beyond the number that was asked for.
+
+    Nothing that the model wrote is run here, whatever `check` does: the functions of the result
+    have their code, and `call` of them raises `FunctionError`.
+
+    Args:
+        instruction: The task in one sentence.
+        schema: The task's perception schema.
+        provider: What answers: a model, or recordings of one.
+        check: What decides whether a function can be used. What it says of one that fails is told
+            to the model, so nothing of an expert's verdict may be in it.
+        options: Which model is asked, and how; by default `ModelOptions()`.
+        sample: Which of several inferences of the same task is wanted.
+        transcript: Folder in which everything sent and received is kept, each answer as soon as it
+            comes; answers that are there already are used and not asked for again.
+
+    Raises:
+        ProviderError: The model could not be asked, or gave no answer.
+        ReplyError: An answer holds no functions.
+        InferenceError: A kind is left without any function, or `direct` without one of its three.
+        RecordingError: Recordings answer, and they have none of a request; or an answer cannot be
+            read from the transcript or written to it.
+    """
+    system = render_system(schema)
+    prompts = {kind: render_prompt(kind, instruction=instruction) for kind in KINDS}
+    inquiry = Inquiry(
+        provider if transcript is None else KeepingProvider(provider, folder=transcript),
+        options=ModelOptions() if options is None else options,
+        system=system,
+        sample=sample,
+    )
+    repaired: list[str] = []
+
+    def make(source: FunctionSource, kind: str, entry: str) -> InferredFunction:
+        prompt = prompts[kind]
+        checked = check_and_repair(
+            source, kind=kind, entry=entry, prompt=prompt, check=check, inquiry=inquiry
+        )
+        if checked.report is not None:
+            repaired.append(checked.report)
+        return _unrun(checked.source, entry=entry)
+
+    chosen: dict[str, FunctionChoice] = {}
+    for kind in KINDS:
+        reply = inquiry.ask(prompts[kind], subject=kind)
+        chosen[kind] = (
+            choose_direct(reply, make=make)
+            if kind == "direct"
+            else choose_functions(reply, kind=kind, make=make)
+        )
+    return _functionals(
+        chosen,
+        prompt_hashes={kind: prompt_hash(system, prompts[kind]) for kind in KINDS},
+        model=inquiry.model,
+        provenance=inquiry.provenance,
+        repaired=tuple(repaired),
+        usage=inquiry.usage,
+    )
 
 
 def infer_from_recording(
@@ -90,21 +170,65 @@ def infer_from_recording(
     recording = load_recording(task_name, sample=sample, directory=directory)
     _check_prompts(recording, instruction=instruction, schema=schema)
     replies = {kind: exchange.reply for kind, exchange in recording.exchanges.items()}
-    built = {kind: _build(replies[kind], kind=kind) for kind in ENTRIES}
-    direct = _build_direct(replies["direct"])
-    return InferredFunctionals(
-        success=built["success"].functions[0],
-        fitness=built["fitness"].functions,
-        timestamps=built["timestamps"].functions,
-        quantities=built["quantities"].functions,
-        direct=DirectFunctionals(*direct.functions),
+    chosen = {kind: choose_functions(replies[kind], kind=kind, make=_build) for kind in ENTRIES}
+    chosen["direct"] = choose_direct(replies["direct"], make=_build)
+    return _functionals(
+        chosen,
         prompt_hashes={
             kind: prompt_hash(recording.system, recording.exchanges[kind].prompt) for kind in KINDS
         },
         model=recording.model,
         provenance=recording.provenance,
-        dropped=tuple(chain.from_iterable(part.dropped for part in (*built.values(), direct))),
+        usage=Usage(requests=len(KINDS), unreported=len(KINDS)),
     )
+
+
+def _functionals(
+    chosen: Mapping[str, FunctionChoice],
+    *,
+    prompt_hashes: Mapping[str, str],
+    model: str,
+    provenance: str,
+    usage: Usage,
+    repaired: tuple[str, ...] = (),
+) -> InferredFunctionals:
+    return InferredFunctionals(
+        success=chosen["success"].functions[0],
+        fitness=chosen["fitness"].functions,
+        timestamps=chosen["timestamps"].functions,
+        quantities=chosen["quantities"].functions,
+        direct=DirectFunctionals(*chosen["direct"].functions),
+        prompt_hashes=prompt_hashes,
+        model=model,
+        provenance=provenance,
+        dropped=tuple(chain.from_iterable(chosen[kind].dropped for kind in KINDS)),
+        repaired=repaired,
+        usage=usage,
+    )
+
+
+def _build(source: FunctionSource, kind: str, entry: str) -> InferredFunction:
+    return build_function(source, kind=kind, entry=entry)
+
+
+def _unrun(source: FunctionSource, *, entry: str) -> InferredFunction:
+    return InferredFunction(
+        name=source.name,
+        description=source.description,
+        code=source.code,
+        entry=entry,
+        call=_refusing(source.name),
+    )
+
+
+def _refusing(name: str) -> FunctionCall:
+    def call(_: Any) -> Any:
+        raise FunctionError(
+            f"Expected the function {name!r} to run in the sandbox, but it was called in this "
+            "process; hand its code to the sandbox."
+        )
+
+    return call
 
 
 def _check_prompts(recording: Recording, *, instruction: str, schema: PerceptionSchema) -> None:
@@ -123,53 +247,3 @@ def _check_prompts(recording: Recording, *, instruction: str, schema: Perception
                     f"recording and {here} in the task; restore the task's instruction and "
                     "perception schema, or record the task again."
                 )
-
-
-def _build(reply: Reply, *, kind: str) -> _Built:
-    """Build the first functions that can be built, up to the number that was asked for."""
-    entry, count = ENTRIES[kind], COUNTS[kind]
-    functions: list[InferredFunction] = []
-    dropped: list[str] = []
-    for source in reply.functions:
-        if len(functions) == count:
-            dropped.append(
-                f"The {kind} function {source.name!r} is not used: {count} came before it, as many "
-                "as were asked for."
-            )
-            continue
-        try:
-            functions.append(build_function(source, kind=kind, entry=entry))
-        except FunctionError as error:
-            dropped.append(str(error))
-    if not functions:
-        raise InferenceError(_nothing_left(f"a {kind} function", reply, dropped=dropped))
-    return _Built(functions=tuple(functions), dropped=tuple(dropped))
-
-
-def _build_direct(reply: Reply) -> _Built:
-    """Build the three functions of the kind `direct`, in the order of `DIRECT_ENTRIES`."""
-    functions: dict[str, InferredFunction] = {}
-    dropped: list[str] = []
-    for source in reply.functions:
-        if source.name not in DIRECT_ENTRIES:
-            dropped.append(
-                f"The direct function {source.name!r} is not used: expected the names "
-                f"{', '.join(DIRECT_ENTRIES)}."
-            )
-            continue
-        try:
-            functions[source.name] = build_function(source, kind="direct", entry=source.name)
-        except FunctionError as error:
-            dropped.append(str(error))
-    for entry in DIRECT_ENTRIES:
-        if entry not in functions:
-            raise InferenceError(_nothing_left(f"a direct {entry}", reply, dropped=dropped))
-    return _Built(
-        functions=tuple(functions[entry] for entry in DIRECT_ENTRIES), dropped=tuple(dropped)
-    )
-
-
-def _nothing_left(wanted: str, reply: Reply, *, dropped: list[str]) -> str:
-    names = ", ".join(source.name for source in reply.functions) or "an empty reply"
-    sentence = f"Expected {wanted} that can be used, got none out of {names}; take another sample."
-    return " ".join([sentence, *dropped])
