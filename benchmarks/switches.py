@@ -133,8 +133,7 @@ def gains(cells: Sequence[Cell]) -> list[Gain]:
                         for a, b in complete
                     ),
                     tuple(
-                        (a.ground_truth_cells + 1) / (b.ground_truth_cells + 1)
-                        for a, b in complete
+                        (a.ground_truth_cells + 1) / (b.ground_truth_cells + 1) for a, b in complete
                     ),
                 )
             )

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lqd_envs import Infos, LQDError, SolutionSpace, Task, get_task, rollout
+from lqd_envs import Infos, LQDError, Task, get_task, rollout
+from lqd_envs.tasks.examples import example_solutions
 from lqd_search.evaluation.direct_judge import DirectFunctionals, DirectJudge
 from lqd_search.evaluation.expert_judge import ExpertJudge
 from lqd_search.evaluation.functionals import FunctionalEvaluator, Functionals
@@ -17,9 +18,6 @@ from lqd_search.runs.function_text import FunctionText
 
 if TYPE_CHECKING:
     from lqd_llm import InferredFunctionals
-
-_EXAMPLE_SEED = 0
-_EXAMPLE_SOLUTIONS = 64
 
 
 @dataclass(frozen=True)
@@ -134,8 +132,7 @@ def function_texts(inferred: "InferredFunctionals", *, method: str) -> list[Func
 def _examples(task: Task, *, threads: int) -> list[Infos]:
     """Return motions of the task on which it can be seen what each function gives.
 
-    They are random motions of their own, whatever these do, and no part of the search.
+    They are no part of the search.
     """
-    solutions = SolutionSpace().sample(_EXAMPLE_SOLUTIONS, rng=np.random.default_rng(_EXAMPLE_SEED))
-    trajectories = rollout(task, solutions, threads=threads)
+    trajectories = rollout(task, example_solutions(task), threads=threads)
     return [trajectories.infos(int(i)) for i in np.flatnonzero(trajectories.valid)]

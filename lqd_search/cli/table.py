@@ -24,8 +24,9 @@ def print_summary(summary: Summary) -> None:
     if summary["waiting_descriptors"]:
         names = ", ".join(summary["waiting_descriptors"])
         console.print(f"Without a grid, since too few motions defined them: {names}.")
-    for sentence in _report(summary).sentences():
-        console.print(sentence, markup=False, highlight=False)
+    if summary["grids"] or summary["waiting_descriptors"]:
+        for sentence in _report(summary).sentences():
+            console.print(sentence, markup=False, highlight=False)
     if summary["method"] == "handcrafted":
         console.print("Steered by the expert; the inferred condition here is the expert's own.")
         return
@@ -51,6 +52,7 @@ def _figures(summary: Summary) -> Table:
     table.add_column()
     table.add_column(justify="right")
     rejected, discarded = summary["rejected"], summary["discarded"]
+    outcomes = summary["outcomes"]
     rows = [
         ("evaluations", summary["evaluations"]),
         ("rejected", sum(rejected.values())),
@@ -63,10 +65,13 @@ def _figures(summary: Summary) -> Table:
         ("success archive size (expert)", summary["success_archive_size"]),
         ("ground-truth cells", summary["ground_truth_cells"]),
         ("  successes outside that grid", summary["ground_truth_outside"]),
+        ("distinct successes of the whole run", outcomes["both"] + outcomes["expert_only"]),
+        ("  ground-truth cells", outcomes["ground_truth_cells"]),
         ("refused values", sum(row["count"] for row in summary["refused"])),
-        ("clipped measures", sum(grid["clipped"] for grid in summary["grids"])),
-        ("seconds", round(summary["seconds"])),
     ]
+    if summary["grids"]:
+        rows.append(("clipped measures", sum(grid["clipped"] for grid in summary["grids"])))
+    rows.append(("seconds", round(summary["seconds"])))
     for name, value in rows:
         table.add_row(name, f"{value:,}")
     for name, found in summary["exploration"].items():
@@ -80,28 +85,19 @@ def _verdicts(summary: Summary) -> Table:
     table = Table(
         title="Successes by the inferred and the expert's condition",
         box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
+        padding=0,
         pad_edge=False,
     )
     table.add_column(no_wrap=True)
     for column in ("both", "inferred only", "expert only", "neither", "precision", "recall"):
-        table.add_column(column, justify="right")
-    confusion, outcomes = summary["confusion"], summary["outcomes"]
-    for name, counts in (
-        ("valid motions", confusion),
-        ("distinct solutions", {**outcomes, "neither": None}),
+        table.add_column(column, justify="right", no_wrap=True)
+    for name, counts, neither in (
+        ("valid motions", summary["confusion"], f"{summary['confusion']['neither']:,}"),
+        ("distinct solutions", summary["outcomes"], ""),
     ):
-        both, inferred, expert = (counts[k] for k in ("both", "inferred_only", "expert_only"))
-        neither = counts["neither"]
-        table.add_row(
-            name,
-            f"{both:,}",
-            f"{inferred:,}",
-            f"{expert:,}",
-            "" if neither is None else f"{neither:,}",
-            _share(both, both + inferred),
-            _share(both, both + expert),
-        )
+        both, inferred, expert = counts["both"], counts["inferred_only"], counts["expert_only"]
+        shares = (_share(both, both + inferred), _share(both, both + expert))
+        table.add_row(name, f"{both:,}", f"{inferred:,}", f"{expert:,}", neither, *shares)
     return table
 
 
@@ -117,11 +113,11 @@ def _grids(summary: Summary) -> Table:
     moment = ""
     for grid in summary["grids"]:
         timestamp, _, quantity = grid["name"].partition(".")
-        if timestamp != moment:
+        if quantity and timestamp != moment:
             moment = timestamp
             table.add_row(f"[bold]{timestamp}[/bold]")
         table.add_row(
-            f"  {quantity}",
+            f"  {quantity}" if quantity else timestamp,
             f"{math.prod(grid['dims']):,}",
             f"{grid['filled']:,}",
             f"{grid['coverage']:.1%}",

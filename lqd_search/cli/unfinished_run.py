@@ -14,7 +14,7 @@ from lqd_search.evaluation.cluster import open_cluster
 from lqd_search.evaluation.cluster_evaluator import ClusterEvaluator
 from lqd_search.evaluation.motion_evaluator import MotionEvaluator
 from lqd_search.loop import Evaluate, search
-from lqd_search.methods.by_name import METHODS, Setting
+from lqd_search.methods.by_name import FAILURE_COMPETITIONS, METHODS, Setting
 from lqd_search.methods.method import Method
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
@@ -93,6 +93,7 @@ def go_on(folder: RunFolder, *, threads: int, workers: str | None) -> tuple[Path
     """
     config = folder.config()
     recipe = RecordedEvaluator(config.task, config.method, config.sample, threads)
+    _check_choices(folder, config)
     _check_functionals(folder, config)
     here = recipe()
     state = folder.state.load() or RunState(new_method(config, here))
@@ -108,6 +109,8 @@ def go_on(folder: RunFolder, *, threads: int, workers: str | None) -> tuple[Path
             on_generation=progress.show,
             on_refusal=progress.warn,
         )
+        if state.metrics:
+            progress.show(state.metrics[-1])
         with _evaluator(here, recipe, workers=workers) as evaluate:
             search(state.method, evaluate, observe=recorder.observe)
     return recorder.finish()
@@ -143,6 +146,19 @@ def new_method(config: RunConfig, evaluate: MotionEvaluator) -> Method:
             failure_competition=config.failure_competition,
         )
     )
+
+
+def _check_choices(folder: RunFolder, config: RunConfig) -> None:
+    for what, given, known in (
+        ("method", config.method, tuple(METHODS)),
+        ("failure_competition", config.failure_competition, FAILURE_COMPETITIONS),
+    ):
+        if given not in known:
+            raise LQDError(
+                f"Expected one of {', '.join(known)} as {what} in the config.json of "
+                f"{folder.path}, but got {given!r}; restore the file, or install the version of "
+                "lqd-envs that it names."
+            )
 
 
 def _check_functionals(folder: RunFolder, config: RunConfig) -> None:

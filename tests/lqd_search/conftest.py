@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from lqd_search import Values
+from lqd_search.runs.metrics import Metrics
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,34 @@ class ToyProblem:
             measures=measures,
             passive={"expert": valid & (distance < 0.1)},
         )
+
+
+@pytest.fixture(scope="session")
+def make_metrics():
+    def make(generation=1, **changes) -> Metrics:
+        figures = {
+            "generation": generation,
+            "stage": "first batch",
+            "evaluations": 32 * generation,
+            "valid": 10,
+            "rejected": 20,
+            "discarded": 2,
+            "refused": 0,
+            "inferred_successes": 1,
+            "expert_successes": 2,
+            "archive_size": 10,
+            "inferred_archive_size": 1,
+            "success_archive_size": 2,
+            "ground_truth_cells": 2,
+            "coverage": 0.25,
+            "clipped": 0,
+            "outcomes": 3,
+            "outcome_cells": 2,
+            "seconds": 1.5,
+        }
+        return Metrics(**figures | changes)
+
+    return make
 
 
 @pytest.fixture(scope="session")

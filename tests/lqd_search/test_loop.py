@@ -34,8 +34,10 @@ def test_asks_evaluates_tells_and_observes_in_turn():
         valid = np.ones(len(solutions), dtype=bool)
         return Values(valid=valid, success=~valid, fitness={"first": solutions[:, 0]}, measures={})
 
-    search(method, evaluate, observe=lambda stage, values: observed.append((stage, values)))
+    search(method, evaluate, observe=observed.append)
 
-    assert [stage for stage, _ in observed] == ["at 0", "at 2", "at 4"]
-    assert [values.fitness["first"][0] for _, values in observed] == [0.0, 2.0, 4.0]
-    assert [values for _, values in observed] == method.told
+    assert [seen.stage for seen in observed] == ["at 0", "at 2", "at 4"]
+    assert [seen.evaluation for seen in observed] == [0, 2, 4]
+    assert [seen.values.fitness["first"][0] for seen in observed] == [0.0, 2.0, 4.0]
+    assert [seen.solutions[0, 0] for seen in observed] == [0.0, 2.0, 4.0]
+    assert [seen.values for seen in observed] == method.told

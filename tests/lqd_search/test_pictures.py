@@ -1,4 +1,5 @@
 import io
+from dataclasses import replace
 
 import matplotlib.image
 import numpy as np
@@ -7,7 +8,6 @@ import pytest
 from lqd_envs import GroundTruth, get_task
 from lqd_search.archives.grid_spec import GridSpec
 from lqd_search.pictures import draw_curves, draw_ground_truth, draw_heat_map
-from lqd_search.runs.metrics import Metrics
 from lqd_search.runs.stored_archive import StoredGrid
 from lqd_search.runs.success_archive import SuccessArchive
 
@@ -16,34 +16,25 @@ def pixels(png: bytes):
     return matplotlib.image.imread(io.BytesIO(png), format="png")
 
 
-def metrics(generation: int, stage: str) -> Metrics:
-    return Metrics(
-        generation=generation,
-        stage=stage,
-        evaluations=10 * generation,
-        valid=1,
-        rejected=1,
-        discarded=1,
-        refused=0,
-        inferred_successes=0,
-        expert_successes=0,
-        archive_size=generation,
-        inferred_archive_size=generation,
-        success_archive_size=2 * generation,
-        ground_truth_cells=1,
-        coverage=0.01 * generation,
-        clipped=0,
-        seconds=1.0,
-    )
+@pytest.fixture
+def rows(make_metrics):
+    stages = ("first batch", "exploring a", "continuing with a")
+    return [make_metrics(i, stage=stage) for i, stage in enumerate(stages, 1)]
 
 
-def test_curves_are_drawn_for_every_stage():
-    rows = [metrics(1, "first batch"), metrics(2, "exploring a"), metrics(3, "continuing with a")]
-
+def test_curves_are_drawn_for_every_stage(rows):
     picture = pixels(draw_curves(rows, title="a run"))
 
     assert picture.shape[0] > 300
     assert picture.std() > 0.05
+
+
+def test_curves_of_a_method_without_grids_have_no_coverage(rows):
+    picture = pixels(draw_curves(rows, title="a run"))
+    lower = pixels(draw_curves([replace(row, coverage=None) for row in rows], title="a run"))
+
+    assert lower.shape[0] < picture.shape[0]
+    assert lower.std() > 0.05
 
 
 @pytest.mark.parametrize("dimensions", [2, 3, 5])
@@ -74,6 +65,23 @@ def test_a_heat_map_of_failures_alone_is_drawn():
     )
 
     assert pixels(draw_heat_map("a.b", grid, fields={"success": np.array([False])})).std() > 0.02
+
+
+def test_a_grid_of_one_measure_is_drawn_as_a_row_of_objectives():
+    grid = StoredGrid(
+        spec=GridSpec(dims=(100,), ranges=((0.0, 2.0),)),
+        cells=np.array([0, 40, 99]),
+        elites=np.array([2, 0, 1]),
+        measures=np.array([[0.01], [0.8], [2.0]]),
+    )
+    columns = {"success": np.array([True, False, True]), "objective": np.array([0.5, -1.0, 2.0])}
+
+    few = pixels(draw_heat_map("ground_truth", grid, fields=columns))
+    failed = columns | {"success": np.zeros(3, bool)}
+    none = pixels(draw_heat_map("ground_truth", grid, fields=failed))
+
+    assert few.shape == none.shape
+    assert (few != none).any()
 
 
 def successes(cells, counts) -> SuccessArchive:

@@ -113,13 +113,12 @@ def test_whatever_is_turned_around_says_the_same(block, data):
 
 def test_a_sentence_for_each():
     report = DescriptorReport(
-        same=(("a.b", "c.d"), ("e", "f", "g")), degenerate=("h",), undefined=("i",)
+        same=(("a.b", "c.d"), ("e", "f", "g")), degenerate=("h", "j"), undefined=("i",)
     )
     assert report.sentences() == (
-        "The descriptors a.b and c.d say the same, up to order, scale and offset of their "
-        "measures.",
-        "The descriptors e, f and g say the same, up to order, scale and offset of their measures.",
-        "The descriptor h has the same value wherever it is defined, so it tells no motions apart.",
-        "The descriptor i is defined in no motion so far.",
+        "The same on the first batch, up to order, scale and offset: a.b, c.d.",
+        "The same on the first batch, up to order, scale and offset: e, f, g.",
+        "With a single value on the first batch, so that they tell no motions apart: h, j.",
+        "Defined for no motion of the first batch: i.",
     )
     assert report_descriptors({"a": PLACE}).sentences() == ()

@@ -1,13 +1,15 @@
-import csv
+import errno
 import json
+import os
 import shutil
 from dataclasses import replace
 
 import pytest
 
-from lqd_search.runs.metrics import Metrics
+from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.run_config import RunConfig
-from lqd_search.runs.run_folder import FunctionText, RunFolder, RunFolderError, refuse_existing
+from lqd_search.runs.run_folder import RunFolder, refuse_existing
+from lqd_search.runs.run_folder_error import RunFolderError
 
 
 def config() -> RunConfig:
@@ -19,31 +21,12 @@ def config() -> RunConfig:
         sample=1,
         evaluations=640,
         batch_size=32,
+        explored=3,
+        failure_competition="fitness",
         prompt_hashes={"success": "abc"},
         model="none",
         provenance="written by hand",
         dropped=("one sentence",),
-    )
-
-
-def metrics(generation: int) -> Metrics:
-    return Metrics(
-        generation=generation,
-        stage="first batch",
-        evaluations=32 * generation,
-        valid=10,
-        rejected=20,
-        discarded=2,
-        refused=0,
-        inferred_successes=1,
-        expert_successes=2,
-        archive_size=10,
-        inferred_archive_size=1,
-        success_archive_size=2,
-        ground_truth_cells=2,
-        coverage=0.25,
-        clipped=0,
-        seconds=1.5,
     )
 
 
@@ -126,17 +109,6 @@ def test_a_file_in_the_way_is_named(tmp_path):
         RunFolder.create(tmp_path / "file" / "run", config=config(), functionals=[])
 
 
-def test_metrics_grow_by_a_row_a_generation(folder):
-    folder.append_metrics(metrics(1))
-    folder.append_metrics(metrics(2))
-
-    with (folder.path / "metrics.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [row["generation"] for row in rows] == ["1", "2"]
-    assert rows[1]["evaluations"] == "64"
-    assert rows[1]["coverage"] == "0.25"
-
-
 def test_a_file_is_written_whole_or_not_at_all(folder, monkeypatch):
     folder.write("summary.json", b"{}")
     monkeypatch.setattr("pathlib.Path.replace", _full_disk)
@@ -155,28 +127,88 @@ def _full_disk(*_):
     raise OSError("no space left")
 
 
-def test_a_folder_that_vanishes_in_the_middle_of_a_run_is_one_sentence(folder):
+def test_a_folder_that_vanishes_in_the_middle_of_a_run_is_one_sentence(folder, make_metrics):
     shutil.rmtree(folder.path)
 
     for write in (
-        lambda: folder.append_metrics(metrics(1)),
+        lambda: folder.metrics.append(make_metrics()),
+        lambda: folder.metrics.write([]),
         lambda: folder.write("archive.npz", b"content"),
     ):
         with pytest.raises(
-            RunFolderError, match=r"^Expected to write \S+, but that failed \(No such[^\n]*again\.$"
+            RunFolderError,
+            match=r"^Expected to write \S+, but that failed \(No such[^\n]*, then go on with `lqd "
+            r"run --resume`: what was finished is kept\.$",
         ):
             write()
 
 
-def test_a_disk_that_is_full_in_the_middle_of_a_run_is_one_sentence(folder):
-    (folder.path / "metrics.csv").symlink_to("/dev/full")
+def entries(path):
+    return sorted(str(entry.relative_to(path)) for entry in path.rglob("*"))
 
-    with pytest.raises(RunFolderError, match=r"failed \(No space left on device\)"):
-        folder.append_metrics(metrics(1))
+
+@pytest.mark.parametrize("call", ["os.fsync", "os.replace", "os.rename", "os.mkdir"])
+def test_nothing_is_left_where_a_folder_cannot_be_made(tmp_path, monkeypatch, call):
+    (tmp_path / "runs").mkdir()
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(call, full)
+    with pytest.raises(
+        RunFolderError,
+        match=r"write the run to \S+one, but that failed \(No space left on device\); ",
+    ):
+        RunFolder.create(tmp_path / "runs" / "one", config=config(), functionals=[SUCCESS])
+    assert entries(tmp_path) == ["runs"]
+
+
+def test_nothing_is_left_where_the_user_stops_it(tmp_path, monkeypatch):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("os.rename", stop)
+    with pytest.raises(KeyboardInterrupt):
+        RunFolder.create(tmp_path / "one", config=config(), functionals=[SUCCESS])
+    assert entries(tmp_path) == []
+
+
+@pytest.mark.parametrize("code", [errno.EACCES, errno.EROFS])
+def test_a_parent_that_cannot_be_written_is_one_sentence(tmp_path, monkeypatch, code):
+    def refuse(*_, **__):
+        raise OSError(code, os.strerror(code))
+
+    # Where tests run as root, no real folder would refuse it.
+    monkeypatch.setattr("os.mkdir", refuse)
+    with pytest.raises(
+        RunFolderError,
+        match=rf"^Expected to write the run to \S+one, but that failed \({os.strerror(code)}\); "
+        r"choose a folder that can be written with --out\.$",
+    ):
+        RunFolder.create(tmp_path / "one", config=config(), functionals=[])
+    assert entries(tmp_path) == []
+
+
+def test_a_new_folder_has_the_permissions_of_any_other(folder):
+    (folder.path.parent / "other").mkdir()
+
+    assert folder.path.stat().st_mode == (folder.path.parent / "other").stat().st_mode
+    assert entries(folder.path.parent) == sorted(
+        ["other", "one", *(f"one/{name}" for name in entries(folder.path))]
+    )
+
+
+def test_a_folder_is_finished_when_it_has_a_summary(folder):
+    assert not folder.finished
+    folder.write("summary.json", b"{}")
+    assert folder.finished
 
 
 def test_an_unfinished_run_says_so(folder):
-    with pytest.raises(RunFolderError, match=r"it has not finished \(no summary\.json\)"):
+    with pytest.raises(
+        RunFolderError,
+        match=r"it has not finished \(no summary\.json\); go on with `lqd run --resume \S+one`\.$",
+    ):
         folder.summary()
 
 
@@ -209,7 +241,7 @@ def test_a_damaged_configuration_is_named(folder, text, message):
         ({"versions": {"numpy": 2}}, "Expected a string at 'versions.numpy', but got 2"),
         ({"dropped": [None]}, r"Expected a string at 'dropped\[0\]', but got None"),
         ({"prompt_hashes": 3}, "Expected an object at 'prompt_hashes', but got 3"),
-        ({"format": 1.0}, "Expected an integer at 'format', but got 1.0"),
+        ({"format": 2.0}, "Expected an integer at 'format', but got 2.0"),
     ],
 )
 def test_a_configuration_with_another_value_is_named(folder, change, message):
@@ -225,7 +257,7 @@ def test_another_layout_is_refused(folder, more):
     data = json.loads((folder.path / "config.json").read_text())
     (folder.path / "config.json").write_text(json.dumps(data | {"format": 99} | more))
 
-    with pytest.raises(RunFolderError, match=r"Expected the layout 1 in .*, got 99"):
+    with pytest.raises(RunFolderError, match=r"Expected the layout 2 in .*, got 99"):
         RunFolder.open(folder.path)
 
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from lqd_search.archives.grid_spec import GridSpec
+from lqd_search.archives.multi_bd_archive import MultiBDArchive
 from lqd_search.runs.stored_archive import StoredArchive, StoredArchiveError, StoredGrid
 
 
@@ -163,3 +164,61 @@ def test_a_column_of_another_form_is_named(tmp_path, name, column, message):
     np.savez(tmp_path / "archive.npz", **columns_of(small_archive()) | {name: column})
 
     assert message in refusal(tmp_path / "archive.npz")
+
+
+def test_a_column_that_damage_hides_is_missed(tmp_path):
+    content = bytearray(small_archive().to_bytes())
+    # The last column but one says in the zip's directory that its comment is as long as the entry
+    # of the last one.
+    last, hidden = b"grids/start.pose/measures.npy", b"grids/start.pose/elites.npy"
+    content[content.rindex(hidden) - 46 + 32] = 46 + len(last)
+    (tmp_path / "archive.npz").write_bytes(content)
+
+    assert "(expected 12 columns, but there are 11)" in refusal(tmp_path / "archive.npz")
+
+
+class Method:
+    def __init__(self, archive, output):
+        self.archive, self._output = archive, output
+
+    def output(self):
+        return self._output
+
+
+def test_what_a_method_without_an_archive_puts_out_is_stored_without_grids(tmp_path):
+    fields = dict(small_archive().fields)
+    (tmp_path / "archive.npz").write_bytes(StoredArchive.of(Method(None, fields)).to_bytes())
+
+    read = StoredArchive.load(tmp_path / "archive.npz")
+
+    assert read.grids == {}
+    assert same(read.fields.values(), fields.values())
+
+
+def test_of_a_method_with_an_archive_the_elites_and_their_grids_are_stored():
+    archive = MultiBDArchive(
+        descriptors={"end.place": 2, "end.none": 2},
+        solution_dim=3,
+        extra_fields={"evaluation": ((), np.int64)},
+        seed=0,
+    )
+    spec = GridSpec(dims=(2, 2), ranges=((0.0, 1.0), (0.0, 1.0)))
+    archive.set_grid("end.place", spec)
+    places = np.array([[0.1, 0.1], [0.9, 0.9]])
+    archive.add(
+        np.arange(6.0).reshape(2, 3),
+        np.array([0.5, 0.7]),
+        np.hstack([places, np.full((2, 2), np.nan)]),
+        success=np.array([True, False]),
+        evaluation=np.array([4, 5]),
+    )
+
+    stored = StoredArchive.of(Method(archive, None))
+
+    assert stored.fields["evaluation"].tolist() == [4, 5]
+    grid = stored.grids["end.place"]
+    assert stored.grids.keys() == {"end.place"}
+    assert grid.spec == spec
+    assert (grid.cells.tolist(), grid.cells.dtype) == ([0, 3], np.int64)
+    assert (grid.elites.tolist(), grid.elites.dtype) == ([0, 1], np.int64)
+    assert grid.measures.tolist() == places.tolist()

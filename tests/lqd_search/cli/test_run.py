@@ -1,0 +1,271 @@
+"""`lqd run`."""
+
+import csv
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lqd_llm
+from lqd_envs import rollout
+from lqd_llm import FunctionSource, build_function
+from lqd_search.cli.run import default_batch_size
+from lqd_search.methods.by_name import METHODS
+from lqd_search.runs.run_folder import RunFolder
+from lqd_search.runs.stored_archive import StoredArchive
+
+SIZE = ("--evaluations", 640, "--batch-size", 32)
+
+
+def test_a_run_ends_with_its_figures_and_the_paths_of_its_pictures(run):
+    folder, output = run
+
+    assert "success archive size" in output
+    pictures = sorted((folder / "pictures").iterdir())
+    assert {"curves.png", "ground_truth.png"} <= {picture.name for picture in pictures}
+    for picture in pictures:
+        assert str(picture) in output
+        assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_there_is_a_heat_map_for_each_grid(run):
+    folder, _ = run
+    archive = StoredArchive.load(folder / "archive.npz")
+
+    assert len(archive.grids) >= 4
+    for name in archive.grids:
+        assert (folder / "pictures" / f"grid.{name}.png").exists()
+
+
+def test_results_say_that_they_rest_on_recorded_replies(run):
+    assert "Replies of a Claude model" in " ".join(run[1].split())
+
+
+def test_metrics_have_a_row_a_generation(run):
+    with (run[0] / "metrics.csv").open() as file:
+        rows = list(csv.DictReader(file))
+
+    assert [int(row["evaluations"]) for row in rows] == list(range(32, 641, 32))
+    assert rows[0]["stage"] == "first batch"
+    assert rows[-1]["stage"].startswith("continuing with")
+
+
+def test_the_archive_holds_what_a_rollout_of_its_solutions_gives(run):
+    archive = StoredArchive.load(run[0] / "archive.npz")
+    trajectories = rollout("LQD/Faucet-v0", archive.fields["solution"])
+
+    assert trajectories.valid.all()
+    np.testing.assert_array_equal(trajectories.digests(), archive.fields["digest"])
+    np.testing.assert_array_equal(trajectories.success(), archive.fields["expert"])
+    np.testing.assert_array_equal(trajectories.ground_truth(), archive.fields["ground_truth"])
+
+
+def test_the_code_in_the_description_of_the_run_folder_runs(run, monkeypatch, capsys):
+    text = (Path(__file__).parents[3] / "docs" / "run-folder.md").read_text("utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    monkeypatch.chdir(run[0])
+
+    printed = []
+    for block in blocks:
+        exec(compile(block, "run-folder.md", "exec"), {})
+        printed.append(capsys.readouterr().out)
+
+    approved = StoredArchive.load(Path("archive.npz")).fields["expert"].sum()
+    assert len(printed) == 2
+    assert printed[1].startswith(f"LQD/Faucet-v0 {approved}\n")
+    assert printed[1].endswith(printed[0])
+
+
+def test_the_same_seed_gives_the_same_archive_with_another_number_of_threads(run, tmp_path, call):
+    folder = tmp_path / "two"
+
+    status, _, _ = call("run", "LQD/Faucet-v0", *SIZE, "--seed", 4, "--threads", 2, "--out", folder)
+
+    assert status == 0
+    assert (folder / "archive.npz").read_bytes() == (run[0] / "archive.npz").read_bytes()
+
+
+def test_another_seed_gives_another_archive(call, tmp_path):
+    archives = []
+    for seed in (4, 5):
+        folder = tmp_path / str(seed)
+        call(
+            "run", "LQD/Faucet-v0", "--method", "random", "--evaluations", 64, "--batch-size", 32,
+            "--seed", seed, "--out", folder,
+        )  # fmt: skip
+        archives.append(StoredArchive.load(folder / "archive.npz"))
+
+    assert len(archives[0]) > 9
+    assert archives[0].to_bytes() != archives[1].to_bytes()
+
+
+def test_an_out_with_too_long_a_name_is_refused(call, tmp_path):
+    status, out, err = call("run", "LQD/Faucet-v0", "--out", tmp_path / ("a" * 300))
+
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"lqd: Expected to write the run to [^\n]+ --out\.\n", err)
+
+
+def test_the_examples_are_simulated_on_the_threads_asked_for(call, tmp_path, monkeypatch):
+    asked = []
+
+    def noting(task, solutions, *, threads=0):
+        asked.append(threads)
+        return rollout(task, solutions, threads=threads)
+
+    monkeypatch.setattr("lqd_search.cli.recorded.rollout", noting)
+    # The batch size is refused after the examples and before the search.
+    status, _, _ = call(
+        "run", "LQD/Faucet-v0", "--evaluations", 20, "--batch-size", 2, "--threads", 3,
+        "--out", tmp_path / "run",
+    )  # fmt: skip
+
+    assert status == 2
+    assert asked == [3]
+
+
+def test_a_fitness_that_never_gives_a_number_is_not_explored(call, tmp_path, monkeypatch):
+    infer = lqd_llm.infer_from_recording
+
+    def infer_with_fault(*names, **options):
+        inferred = infer(*names, **options)
+        source = FunctionSource(
+            name="never", description="faulty", code="def fitness(info): return None"
+        )
+        never = build_function(source, kind="fitness", entry="fitness")
+        return replace(inferred, fitness=(never, *inferred.fitness[1:]))
+
+    monkeypatch.setattr(lqd_llm, "infer_from_recording", infer_with_fault)
+    folder = tmp_path / "run"
+
+    status, _, _ = call(
+        "run", "LQD/Faucet-v0", "--evaluations", 80, "--batch-size", 4, "--out", folder
+    )
+
+    figures = json.loads((folder / "summary.json").read_text())
+    assert status == 0
+    assert len(figures["exploration"]) == 2
+    assert "never" not in figures["exploration"]
+    assert any("'never'" in sentence for sentence in figures["dropped"])
+
+
+def test_an_existing_out_is_refused(run, call):
+    status, _, err = call("run", "LQD/Faucet-v0", "--out", run[0])
+
+    assert status == 2
+    assert "Expected a new folder for the run" in err
+    assert len(err.strip().splitlines()) == 1
+
+
+def test_a_recording_that_does_not_parse_is_one_sentence_and_status_2(call, tmp_path, monkeypatch):
+    (tmp_path / "faucet-0.json").write_text('{"task": "faucet", ')
+    infer = lqd_llm.infer_from_recording
+    monkeypatch.setattr(
+        lqd_llm,
+        "infer_from_recording",
+        lambda *names, **options: infer(*names, **options, directory=tmp_path),
+    )
+
+    status, _, err = call("run", "LQD/Faucet-v0", "--out", tmp_path / "run")
+
+    assert status == 2
+    assert "faucet-0.json" in err
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+FAULTY = {
+    "none": "def quantity(info): return None if info['gripper_position'][2] > 0.1 else (1.0, 2.0)",
+    "nan": "def quantity(info): return (1.0, math.nan if info['gripper_position'][2] > 0.1 else 0)",
+    "longer": "def quantity(info): return (1.0,) * (2 + (info['gripper_position'][2] > 0.1))",
+}
+ALWAYS_NONE = "def quantity(info): return None"
+
+
+def test_a_run_goes_on_without_the_values_of_faulty_functionals(call, tmp_path, monkeypatch):
+    infer = lqd_llm.infer_from_recording
+
+    def infer_with_faults(*names, **options):
+        inferred = infer(*names, **options)
+        faulty = [
+            build_function(
+                FunctionSource(name=name, description="faulty", code=code),
+                kind="quantities",
+                entry="quantity",
+            )
+            for name, code in {**FAULTY, "never": ALWAYS_NONE}.items()
+        ]
+        return replace(inferred, quantities=(*inferred.quantities[:1], *faulty))
+
+    monkeypatch.setattr(lqd_llm, "infer_from_recording", infer_with_faults)
+    folder = tmp_path / "run"
+
+    status, _, err = call("run", "LQD/Faucet-v0", *SIZE, "--out", folder)
+
+    figures = json.loads((folder / "summary.json").read_text())
+    words = " ".join(err.split())
+    assert status == 0
+    assert figures["evaluations"] == 640
+    refused = {row["functional"]: row for row in figures["refused"]}
+    assert refused.keys() == FAULTY.keys()
+    for name in FAULTY:
+        assert refused[name]["count"] > 0
+        assert f"the quantity function '{name}' returned" in words
+    assert "for motion" in words
+    assert any("'never'" in sentence for sentence in figures["dropped"])
+
+
+@pytest.mark.parametrize(
+    ("evaluations", "batch"), [(102_400, 2_048), (20_480, 512), (8_192, 256), (640, 16), (5, 1)]
+)
+def test_smaller_scales_keep_the_number_of_generations_up(evaluations, batch):
+    assert default_batch_size(evaluations) == batch
+
+
+def check_method(call, folder, *, task, method):
+    status, out, err = call(
+        "run", task, "--method", method, "--evaluations", 320, "--batch-size", 16, "--seed", 1,
+        "--out", folder,
+    )  # fmt: skip
+
+    assert status == 0, err
+    run = RunFolder.open(folder)
+    summary, archive, outcomes = run.summary(), run.archive(), run.outcomes()
+    assert (summary["method"], summary["evaluations"]) == (method, 320)
+    assert f"{task} · {method} · seed 1" in out
+    assert max(map(len, out.split("Run folder")[0].splitlines())) <= 80
+    assert summary["archive_size"] == len(archive)
+    assert summary["success_archive_size"] == archive.fields["expert"].sum()
+    found = summary["outcomes"]
+    assert found["both"] + found["expert_only"] == outcomes["expert"].sum()
+    assert summary["expert_successes"] >= outcomes["expert"].sum() >= archive.fields["expert"].sum()
+    assert [grid["name"] for grid in summary["grids"]] == list(archive.grids)
+    if method in ("ga", "random"):
+        assert not archive.grids
+        for words in ("coverage", "clipped", "first batch"):
+            assert words not in out
+    if method == "handcrafted":
+        assert archive.grids.keys() == {"ground_truth"}
+        assert run.functionals() == {}
+        assert "Steered by the expert" in out
+    else:
+        assert run.functionals().keys() >= {"success.py"}
+    with (folder / "metrics.csv").open(newline="") as file:
+        assert len(list(csv.DictReader(file))) == 20
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_runs(call, tmp_path, monkeypatch, method):
+    monkeypatch.setenv("COLUMNS", "80")
+    check_method(call, tmp_path / "run", task="LQD/Faucet-v0", method=method)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("task", ["LQD/Grasp-v0", "LQD/Drawer-v0", "LQD/Push-v0"])
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_runs_on_every_task(call, tmp_path, monkeypatch, task, method):
+    monkeypatch.setenv("COLUMNS", "80")
+    check_method(call, tmp_path / "run", task=task, method=method)
