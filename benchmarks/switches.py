@@ -11,11 +11,11 @@ import click
 import numpy as np
 
 from lqd_envs import get_task
+from lqd_envs.atomic_file import write_atomically
 from lqd_search.cli.recorded import RecordedEvaluator
 from lqd_search.loop import search
 from lqd_search.methods.by_name import Setting, ours_with
 from lqd_search.methods.plus_switches import Switch
-from lqd_search.runs.atomic_file import write_atomically
 from lqd_search.runs.success_archive import SuccessArchive
 
 # Never those of the benchmarks, which begin at 0; seed k uses the recorded sample k mod 5.

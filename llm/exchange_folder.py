@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from lqd_envs.atomic_file import write_atomically
 from lqd_llm.answer import Answer, is_complete
-from lqd_llm.atomic_file import write_atomically
 from lqd_llm.errors import ModelOptionsError, RecordingError
 from lqd_llm.model_options import Effort, ModelOptions
 from lqd_llm.request import Request, Turn

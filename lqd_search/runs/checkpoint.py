@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lqd_envs import LQDError
-from lqd_search.runs.atomic_file import write_atomically
+from lqd_envs.atomic_file import write_atomically
 from lqd_search.runs.state_pickle import StateError, Trusted, pickle_state, unpickle_state
 
 CHECKPOINT_FORMAT = 1

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from lqd_search.runs.atomic_file import write_atomically
+from lqd_envs.atomic_file import write_atomically
 from lqd_search.runs.metrics import Metrics
 from lqd_search.runs.run_folder_error import cannot_write
 

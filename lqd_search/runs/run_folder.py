@@ -13,7 +13,7 @@ from tempfile import mkdtemp
 from typing import Any
 
 from lqd_envs import Task
-from lqd_search.runs.atomic_file import write_atomically
+from lqd_envs.atomic_file import write_atomically
 from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.json_form import FormError, check_form
 from lqd_search.runs.kept_state import KeptState

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs import LQDError
+from lqd_envs.atomic_file import write_atomically
 from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
-from lqd_search.runs.atomic_file import write_atomically
 from lqd_search.runs.npz_columns import ColumnError, column_of, read_columns
 
 Outcomes: TypeAlias = Mapping[str, NDArray[Any]]

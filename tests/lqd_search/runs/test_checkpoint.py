@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from lqd_envs import SolutionSpace
+from lqd_envs import SolutionSpace, atomic_file
 from lqd_search import LanguageDrivenQD, Values, compete_by_coin
 from lqd_search.evaluation.contact import CONTACT
 from lqd_search.methods.by_name import repair_motions
@@ -13,7 +13,6 @@ from lqd_search.methods.genetic_algorithm import GeneticAlgorithm
 from lqd_search.methods.map_elites_success import MapElitesSuccess
 from lqd_search.methods.plus_switches import Switch, emitter_with
 from lqd_search.methods.random_search import RandomSearch
-from lqd_search.runs import atomic_file
 from lqd_search.runs.checkpoint import (
     CheckpointError,
     NoCheckpointError,

@@ -1,4 +1,4 @@
-"""Replacing a file as a whole, so that a run may end at any moment."""
+"""Replacing a file as a whole, so that the process may end at any moment."""
 
 import errno
 import os

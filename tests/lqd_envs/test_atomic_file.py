@@ -8,13 +8,13 @@ import time
 
 import pytest
 
-from lqd_search.runs import atomic_file
-from lqd_search.runs.atomic_file import write_atomically
+from lqd_envs import atomic_file
+from lqd_envs.atomic_file import write_atomically
 
 REWRITE_FOR_EVER = """
 import itertools, sys
 from pathlib import Path
-from lqd_search.runs.atomic_file import write_atomically
+from lqd_envs.atomic_file import write_atomically
 
 for i in itertools.count():
     content = b"%d" % (i % 10) * (200_000 if i % 2 else 3_000_000)
@@ -25,7 +25,7 @@ for i in itertools.count():
 DIE_BEFORE_A_LINE = """
 import os, signal, sys
 from pathlib import Path
-from lqd_search.runs import atomic_file
+from lqd_envs import atomic_file
 
 left = int(sys.argv[2])
 

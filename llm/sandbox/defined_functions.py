@@ -1,0 +1,70 @@
+"""Compiling the functions, each in globals of its own. This file runs in the worker."""
+
+import struct
+from collections.abc import Sequence
+from types import MappingProxyType
+from typing import Any
+
+from lqd_llm.sandbox.calls import Function, Record, plain, raised
+from lqd_llm.sandbox.facades import new_namespace
+from lqd_llm.sandbox.motion_calls import DefinedFunction
+from lqd_llm.sandbox.reasons import Reason
+from lqd_llm.sandbox.roles import Role
+from lqd_llm.sandbox.wire import (
+    DEFINITIONS_OFFSET,
+    NO_FUNCTION,
+    RECORD,
+    RECORD_FORMAT,
+    Word,
+    call_number,
+)
+
+_RECORD = struct.Struct("<" + RECORD_FORMAT)
+_DEFINED = plain(Reason.ACCEPTED)
+_A_DICTIONARY: dict[str, Any] = {}
+
+
+def define_functions(
+    told: Sequence[dict[str, Any]], *, results: Any, words: memoryview
+) -> list[DefinedFunction]:
+    """Define the functions, and write for each what came of it.
+
+    Args:
+        told: For each function its `role`, `source`, `entry`, and whether it was `dropped`.
+        results: The shared results.
+        words: Their header; it is told of each definition before it begins.
+
+    Returns:
+        The functions; those that were dropped or cannot be defined have nothing to call.
+    """
+    functions = []
+    for number, function in enumerate(told):
+        words[Word.CALL] = call_number(0, number)
+        call, record = None, plain(Reason.DROPPED)
+        if not function["dropped"]:
+            call, record = _define(function["source"], entry=function["entry"], number=number)
+        _RECORD.pack_into(results, DEFINITIONS_OFFSET + number * RECORD.itemsize, *record)
+        functions.append(DefinedFunction(Role(function["role"]), call))
+    words[Word.CALL] = call_number(0, NO_FUNCTION)
+    return functions
+
+
+def _define(source: str, *, entry: str, number: int) -> tuple[Function | None, Record]:
+    namespace = new_namespace()
+    namespace["__builtins__"] = {**namespace["__builtins__"], "isinstance": _isinstance}
+    code = compile(source, f"<functional {number}>", "exec", dont_inherit=True)
+    try:
+        exec(code, namespace)  # noqa: S102
+    except Exception as error:  # noqa: BLE001 (a model wrote this code, and it may raise anything)
+        return None, raised(error)
+    call = namespace.get(entry)
+    if not callable(call):
+        return None, plain(Reason.NOT_DEFINED)
+    return call, _DEFINED
+
+
+def _isinstance(value: Any, kind: Any, /) -> bool:
+    """Whether a value is of a type, where an info counts as the dictionary that it stands for."""
+    if type(value) is MappingProxyType:
+        value = _A_DICTIONARY
+    return isinstance(value, kind)

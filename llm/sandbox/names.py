@@ -1,0 +1,93 @@
+"""The names that code binds, and those that stand for a facade."""
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from lqd_llm.sandbox.allowlist import FACADE_NAMES
+
+
+@dataclass(frozen=True)
+class Names:
+    """The names of one piece of code.
+
+    Attributes:
+        bound: All that are bound somewhere: variables, arguments, functions.
+        assigned: Those that an assignment at the top level binds.
+        constants: Those of `assigned` that no function binds too and that are no facade.
+        facades: For each name that stands for a facade, which one: a key of `FACADE_NAMES`.
+    """
+
+    bound: frozenset[str]
+    assigned: frozenset[str]
+    constants: frozenset[str]
+    facades: Mapping[str, str]
+
+    @classmethod
+    def of(cls, tree: ast.Module) -> "Names":
+        """Collect the names of a syntax tree."""
+        functions: set[str] = set()
+        assigned: set[str] = set()
+        inside: set[str] = set()
+        for statement in tree.body:
+            if isinstance(statement, ast.FunctionDef):
+                functions.add(statement.name)
+                inside.update(_bound_in(statement.args, *statement.body))
+            else:
+                assigned.update(_bound_in(statement))
+        facades = _facades(tree)
+        return cls(
+            bound=frozenset(functions | assigned | inside),
+            assigned=frozenset(assigned),
+            constants=frozenset(assigned - inside - facades.keys()),
+            facades=facades,
+        )
+
+    def facade_of(self, node: ast.expr) -> str | None:
+        """Return which facade an expression stands for, if it does."""
+        return _facade_of(node, self.facades)
+
+
+def root_of(node: ast.expr) -> str | None:
+    """Return the name that an expression reads from: `"a"` for `a[0].b(c)`."""
+    while True:
+        match node:
+            case ast.Attribute(value=inner) | ast.Subscript(value=inner) | ast.Call(func=inner):
+                node = inner
+            case ast.Name(id=name):
+                return name
+            case _:
+                return None
+
+
+def _bound_in(*nodes: ast.AST) -> Iterator[str]:
+    for node in nodes:
+        for part in ast.walk(node):
+            match part:
+                case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name):
+                    yield name
+                case ast.FunctionDef(name=name):
+                    yield name
+                case ast.ExceptHandler(name=str(name)):
+                    yield name
+
+
+def _facades(tree: ast.Module) -> dict[str, str]:
+    facades = {name: name for name in FACADE_NAMES if "." not in name}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign) and (facade := _facade_of(node.value, facades)):
+            for target in node.targets:
+                if isinstance(target, ast.Name):
+                    facades.setdefault(target.id, facade)
+    return facades
+
+
+def _facade_of(node: ast.expr, facades: Mapping[str, str]) -> str | None:
+    match node:
+        case ast.Name(id=name):
+            return facades.get(name)
+        case ast.Attribute(value=value, attr=name):
+            path = f"{_facade_of(value, facades)}.{name}"
+            return path if path in FACADE_NAMES else None
+        case _:
+            return None

@@ -1,0 +1,247 @@
+"""The rules for each kind of syntax that the allowlist has."""
+
+import ast
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from typing import Any
+
+from lqd_llm.sandbox.allowlist import (
+    BUILTINS,
+    DTYPE_TEXTS,
+    DTYPES,
+    FACADE_NAMES,
+    LARGEST_INTEGER,
+    LONGEST_NAME,
+    MUTATORS,
+    NUMPY_TYPES,
+    VALUE_ATTRIBUTES,
+)
+from lqd_llm.sandbox.errors import RejectedCodeError
+from lqd_llm.sandbox.names import Names, root_of
+
+_AVAILABLE = frozenset(BUILTINS)
+_FACADES = frozenset(name for name in FACADE_NAMES if "." not in name)
+_PLAIN_FORMAT = re.compile(r"(?:.?[<>=^])?[-+ ]?z?#?0?\d{0,2}[,_]?(?:\.\d{1,2})?[a-zA-Z%]?")
+_EXPECTED_DTYPE = "the elements of an array can only be float, int, bool or complex"
+_PLAIN_DEFAULT = (
+    *(ast.Constant, ast.Name, ast.Attribute, ast.Tuple, ast.UnaryOp, ast.BinOp),
+    *(ast.operator, ast.unaryop, ast.expr_context),
+)
+
+
+def check_rules(tree: ast.Module, names: Names) -> None:
+    """Check names, attributes and what else the kind of a node does not tell.
+
+    Args:
+        tree: A syntax tree of allowed nodes, so flat that it can be walked recursively.
+        names: Its names.
+
+    Raises:
+        RejectedCodeError: A rule is broken; the first in the order of the text is said.
+    """
+    conversions: set[ast.AST] = set()
+    for node in _in_order(tree):
+        if isinstance(node, ast.Call) and _converts(node, names):
+            conversions.add(node.func)
+        if isinstance(node, ast.Attribute) and node.attr == "astype" and node not in conversions:
+            raise RejectedCodeError(_EXPECTED_DTYPE, line=node.lineno)
+        if rule := _RULES.get(type(node)):
+            rule(node, names)
+
+
+def _in_order(node: ast.AST) -> Iterator[ast.AST]:
+    # Of `a.b.c`, the first part that is not allowed tells most.
+    last = isinstance(node, ast.Attribute)
+    if not last:
+        yield node
+    for child in ast.iter_child_nodes(node):
+        yield from _in_order(child)
+    if last:
+        yield node
+
+
+def _check_identifier(name: str, *, line: int) -> None:
+    if not name.isascii() or len(name) > LONGEST_NAME:
+        raise RejectedCodeError(
+            f"the name {name[:LONGEST_NAME]!r} is not plain ASCII or too long", line=line
+        )
+    if "__" in name:
+        raise RejectedCodeError(
+            f"the name {name!r} is not allowed: it has two underscores in a row", line=line
+        )
+
+
+def _check_binding(name: str, *, line: int) -> None:
+    _check_identifier(name, line=line)
+    if name in _FACADES:
+        raise RejectedCodeError(
+            f"the name {name!r} stands for the module and cannot be used for something else",
+            line=line,
+        )
+
+
+def _check_name(node: ast.Name, names: Names) -> None:
+    if isinstance(node.ctx, ast.Store):
+        _check_binding(node.id, line=node.lineno)
+        return
+    _check_identifier(node.id, line=node.lineno)
+    if node.id not in names.bound and node.id not in _AVAILABLE and node.id not in _FACADES:
+        raise RejectedCodeError(
+            f"the name {node.id!r} is neither defined nor among the builtins that are allowed",
+            line=node.lineno,
+        )
+
+
+def _check_attribute(node: ast.Attribute, names: Names) -> None:
+    if not isinstance(node.ctx, ast.Load):
+        raise RejectedCodeError(
+            f"setting the attribute {node.attr!r} is not allowed", line=node.lineno
+        )
+    facade = names.facade_of(node.value)
+    if facade and node.attr in FACADE_NAMES[facade]:
+        return
+    # A name that is bound to a facade in one place may hold a value in another.
+    if facade and root_of(node) in _FACADES:
+        near = _nearest(node.attr, FACADE_NAMES[facade])
+        raise RejectedCodeError(f"{facade} has no {node.attr!r} here{near}", line=node.lineno)
+    if node.attr not in VALUE_ATTRIBUTES:
+        near = _nearest(node.attr, VALUE_ATTRIBUTES)
+        raise RejectedCodeError(
+            f"the attribute {node.attr!r} is not allowed{near}", line=node.lineno
+        )
+    if node.attr in MUTATORS:
+        _check_own(node, names)
+
+
+def _check_subscript(node: ast.Subscript, names: Names) -> None:
+    if isinstance(node.ctx, ast.Store):
+        _check_own(node, names)
+
+
+def _check_own(node: ast.expr, names: Names) -> None:
+    root = root_of(node)
+    if root in names.constants:
+        raise RejectedCodeError(
+            f"{root!r} is defined at the top level and cannot be changed: no call may remember "
+            "another; make a copy within the function",
+            line=node.lineno,
+        )
+
+
+def _nearest(name: str, allowed: Iterable[str]) -> str:
+    near = get_close_matches(name[:LONGEST_NAME], sorted(allowed), cutoff=0.7)
+    return f"; allowed are {', '.join(near)} and others" if near else ""
+
+
+def _check_constant(node: ast.Constant, _: Names) -> None:
+    if isinstance(node.value, bytes):
+        raise RejectedCodeError("bytes are not allowed", line=node.lineno)
+    if isinstance(node.value, int) and node.value >= LARGEST_INTEGER:
+        raise RejectedCodeError("an integer is written out that is too large", line=node.lineno)
+
+
+def _check_formatted(node: ast.FormattedValue, _: Names) -> None:
+    match node.format_spec:
+        case None | ast.JoinedStr(values=[]):
+            return
+        case ast.JoinedStr(values=[ast.Constant(value=str(spec))]) if _PLAIN_FORMAT.fullmatch(spec):
+            return
+    raise RejectedCodeError(
+        "a format in an f-string may only be a plain one such as ':.3f' or ':>10'",
+        line=node.lineno,
+    )
+
+
+def _check_argument(node: ast.arg, _: Names) -> None:
+    _check_binding(node.arg, line=node.lineno)
+
+
+def _check_keyword(node: ast.keyword, names: Names) -> None:
+    if node.arg is not None:
+        _check_identifier(node.arg, line=node.value.lineno)
+    if node.arg == "dtype" and not _is_dtype(node.value, names):
+        raise RejectedCodeError(_EXPECTED_DTYPE, line=node.value.lineno)
+    if node.arg == "out":
+        _check_own(node.value, names)
+
+
+def _check_function(node: ast.FunctionDef, _: Names) -> None:
+    _check_binding(node.name, line=node.lineno)
+    if node.decorator_list:
+        raise RejectedCodeError("a decorator is not allowed", line=node.decorator_list[0].lineno)
+
+
+def _check_arguments(node: ast.arguments, _: Names) -> None:
+    for default in (*node.defaults, *node.kw_defaults):
+        for part in ast.walk(default) if default else ():
+            if not isinstance(part, _PLAIN_DEFAULT):
+                raise RejectedCodeError(
+                    "the default of an argument can only be a number, a text, None, a name or a "
+                    "tuple of these",
+                    line=default.lineno if default else None,
+                )
+
+
+def _check_handler(node: ast.ExceptHandler, _: Names) -> None:
+    if node.type is None:
+        raise RejectedCodeError(
+            "an except without exceptions is not allowed; name them, such as KeyError",
+            line=node.lineno,
+        )
+    if node.name is not None:
+        _check_binding(node.name, line=node.lineno)
+
+
+def _check_try(node: ast.Try, _: Names) -> None:
+    # Nested ones are compiled into exponentially long code.
+    if node.finalbody:
+        raise RejectedCodeError("finally is not allowed", line=node.finalbody[0].lineno)
+
+
+def _check_comprehension(node: ast.comprehension, _: Names) -> None:
+    if node.is_async:
+        raise RejectedCodeError("async is not allowed", line=node.target.lineno)
+
+
+def _converts(call: ast.Call, names: Names) -> bool:
+    """Return whether a call is one of `astype`, and to a type of numbers."""
+    match call:
+        case ast.Call(func=ast.Attribute(attr="astype"), args=[dtype], keywords=[]):
+            return _is_dtype(dtype, names)
+        case ast.Call(
+            func=ast.Attribute(attr="astype"), args=[], keywords=[ast.keyword("dtype", dtype)]
+        ):
+            return _is_dtype(dtype, names)
+        case _:
+            return False
+
+
+def _is_dtype(node: ast.expr, names: Names) -> bool:
+    match node:
+        case ast.Constant(value=None):
+            return True
+        case ast.Constant(value=str(text)):
+            return text in DTYPE_TEXTS
+        case ast.Name(id=name):
+            return name in DTYPES and name not in names.bound
+        case ast.Attribute(value=value, attr=name):
+            return names.facade_of(value) == "np" and name in NUMPY_TYPES
+        case _:
+            return False
+
+
+_RULES: Mapping[type[ast.AST], Callable[[Any, Names], None]] = {
+    ast.Name: _check_name,
+    ast.Attribute: _check_attribute,
+    ast.Subscript: _check_subscript,
+    ast.Constant: _check_constant,
+    ast.FormattedValue: _check_formatted,
+    ast.arg: _check_argument,
+    ast.keyword: _check_keyword,
+    ast.FunctionDef: _check_function,
+    ast.arguments: _check_arguments,
+    ast.ExceptHandler: _check_handler,
+    ast.Try: _check_try,
+    ast.comprehension: _check_comprehension,
+}

@@ -1,0 +1,254 @@
+"""The namespace of a function: the same values as in plain Python, and nothing to reach from it."""
+
+import __future__
+
+import json
+import math
+import subprocess
+import sys
+import traceback
+import types
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from lqd_llm import load_recording
+from lqd_llm.functions import ENTRIES
+from lqd_llm.sandbox import check_source
+from lqd_llm.sandbox.allowlist import BUILTINS, FACADE_NAMES, NUMPY_CREATORS
+from lqd_llm.sandbox.facades import new_namespace
+
+CORPORA = Path(__file__).parent / "corpora"
+BENIGN = [
+    json.loads(line)
+    for name in ("benign", "benign_more")
+    for line in (CORPORA / f"{name}.jsonl").read_text("utf-8").splitlines()
+]
+FILE = "<functional>"
+
+
+def in_sandbox(code, *, entry):
+    checked = check_source(code, entry=entry)
+    return defined(checked.source, entry=entry, namespace=new_namespace())
+
+
+def in_python(code, *, entry):
+    # Recorded functions have annotations such as `Info`, which is defined nowhere.
+    flags = __future__.annotations.compiler_flag
+    return defined(code, entry=entry, namespace={"math": math, "np": np}, flags=flags)
+
+
+def defined(code, *, entry, namespace, flags=0):
+    exec(compile(code, FILE, "exec", flags=flags), namespace)
+    return namespace[entry]
+
+
+def outcome(function, argument):
+    """Return what a call returns, in a form that can be compared, or what it raises and where."""
+    try:
+        value = function(list(argument) if isinstance(argument, list) else argument)
+    except Exception as error:  # noqa: BLE001 (whatever it is, both must raise it)
+        frames = traceback.extract_tb(error.__traceback__)
+        return type(error), str(error), [f.lineno for f in frames if f.filename == FILE]
+    if isinstance(argument, list):
+        places = [place for place, info in enumerate(argument) if info is value]
+        value = ("element", *places) if places else value
+    return type(value), repr(value)
+
+
+def read_only(info):
+    inner = {k: MappingProxyType(v) if isinstance(v, dict) else v for k, v in info.items()}
+    return MappingProxyType(inner)
+
+
+def motions(*infos, seed=3):
+    """Return the given motions, and others that vary everything."""
+    rng = np.random.default_rng(seed)
+    return [*infos, *([varied(info, rng) for info in motion] for motion in infos)]
+
+
+def varied(info, rng):
+    def vary(value):
+        if isinstance(value, bool):
+            return bool(rng.random() < 0.5)
+        if isinstance(value, dict):
+            return {key: vary(inner) for key, inner in value.items()}
+        return tuple(rng.normal(0.1, 0.3, 3).tolist()) if isinstance(value, tuple) else rng.random()
+
+    return {key: vary(value) for key, value in info.items()}
+
+
+def assert_same(code, *, entry, of_motion, motions):
+    sandboxed, plain = in_sandbox(code, entry=entry), in_python(code, entry=entry)
+    for infos in motions:
+        for argument in [infos] if of_motion else infos:
+            locked = [read_only(i) for i in infos] if of_motion else read_only(argument)
+            assert outcome(sandboxed, locked) == outcome(plain, argument)
+
+
+@pytest.mark.parametrize("case", [pytest.param(case, id=case["name"]) for case in BENIGN])
+def test_benign_function_has_the_values_of_plain_python(case, contact, no_contact):
+    assert_same(
+        case["code"],
+        entry=case["entry"],
+        of_motion=case["kind"] in ("success", "timestamp"),
+        motions=motions(contact, no_contact),
+    )
+
+
+def test_recorded_functions_have_the_values_of_plain_python(task, sample, contact, no_contact):
+    recording = load_recording(task.name, sample=sample)
+    for kind, exchange in recording.exchanges.items():
+        for function in exchange.reply.functions:
+            entry = ENTRIES.get(kind, function.name)
+            assert_same(
+                function.code,
+                entry=entry,
+                of_motion=entry not in ("fitness", "quantity"),
+                motions=motions(contact, no_contact, seed=sample),
+            )
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "def fitness(info):\n    a = [\n        1,\n        info['nothing'],\n    ]\n    return a",
+        "from math import (\n  sqrt,\n  pi\n)\ndef fitness(\n    info: 'I',\n) -> (\n  int\n):\n"
+        "    x: Dict[\n        str\n    ] = sqrt(\n        -1)",
+        "def h(x):\n    raise ValueError(x)\n\ndef fitness(info):\n\n    return h(1)",
+    ],
+)
+def test_errors_name_the_lines_of_the_code_as_written(code, no_contact):
+    sandboxed = outcome(in_sandbox(code, entry="fitness"), no_contact[0])
+
+    assert sandboxed == outcome(in_python(code, entry="fitness"), no_contact[0])
+    assert sandboxed[2][0] > 2
+
+
+def test_namespace_holds_builtins_and_facades_and_is_new_each_time():
+    first, second = new_namespace(), new_namespace()
+
+    assert set(first) == {"__builtins__", "math", "np"}
+    assert tuple(first["__builtins__"]) == (*BUILTINS, "__import__")
+    assert first == second
+    assert first is not second
+    assert first["__builtins__"] is not second["__builtins__"]
+
+
+@pytest.mark.parametrize("path", FACADE_NAMES)
+def test_facade_has_the_allowed_names_and_cannot_be_changed(path):
+    facade = facade_of(path)
+    name = FACADE_NAMES[path][0]
+
+    assert [member for member in dir(facade) if "__" not in member] == sorted(FACADE_NAMES[path])
+    for change in (setattr, lambda *a: delattr(*a[:2])):
+        with pytest.raises(AttributeError, match=f"{path} cannot be changed"):
+            change(facade, name, 1)
+    with pytest.raises(AttributeError, match="cannot be changed"):
+        facade.other = 1
+    assert repr(facade) == path
+    assert not hasattr(facade, "__dict__")
+
+
+@pytest.mark.parametrize("path", FACADE_NAMES)
+def test_facade_holds_no_module(path):
+    facade, real = facade_of(path), {"math": math, "np": np, "np.linalg": np.linalg}[path]
+
+    for name in FACADE_NAMES[path]:
+        member = getattr(facade, name)
+        assert not isinstance(member, types.ModuleType)
+        if name not in (*NUMPY_CREATORS, "linalg"):
+            assert member is getattr(real, name)
+
+
+def facade_of(path):
+    first, *rest = path.split(".")
+    facade = new_namespace()[first]
+    return getattr(facade, rest[0]) if rest else facade
+
+
+ARGUMENTS = {
+    "arange": (0, 3), "array": ([1, 2.5],), "asarray": ((True, False),), "empty": (2,),
+    "eye": (2,), "full": ((2, 2), 1.5), "full_like": ([1.0], 2.0), "fromiter": ([1], float),
+    "identity": (2,), "ones": (2,), "ones_like": ([1],), "zeros": (2,), "zeros_like": ([1.0],),
+}  # fmt: skip
+OBJECTS = {
+    "arange": (0, 3, 1, object), "array": ([1, None],), "asarray": (["now"],), "empty": (2, "O"),
+    "eye": (2, 2, 0, object), "full": (2, "now"), "full_like": ([1.0], 2.0, "O"),
+    "fromiter": ([1], object), "identity": (2, object), "ones": (2, "U3"),
+    "ones_like": ([1], "O"), "zeros": (2, "M8[s]"), "zeros_like": ([1.0], "V8"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NUMPY_CREATORS)
+def test_arrays_hold_numbers_and_nothing_else(name):
+    create = getattr(facade_of("np"), name)
+    expected = getattr(np, "zeros" if name == "empty" else name)(*ARGUMENTS[name])
+
+    made = create(*ARGUMENTS[name])
+    assert (made.dtype, made.tolist()) == (expected.dtype, expected.tolist())
+    with pytest.raises(TypeError, match="an array can only hold numbers and truth values"):
+        create(*OBJECTS[name])
+
+
+def creator_globals():
+    return {"__builtins__": {"TypeError": TypeError}}
+
+
+@pytest.mark.parametrize("name", NUMPY_CREATORS)
+def test_creators_have_no_globals_of_use(name):
+    create = getattr(facade_of("np"), name)
+
+    assert create.__globals__ == creator_globals()
+
+
+def test_an_import_brings_nothing():
+    namespace = new_namespace()
+    exec("import os, numpy.linalg\nfrom_os = os", namespace)
+
+    assert namespace["os"] is None
+    assert namespace["numpy"] is None
+    assert namespace["__builtins__"]["__import__"].__globals__ == creator_globals()
+
+
+FIRST_CALLS = """
+from lqd_llm.sandbox.allowlist import LINALG_NAMES, NUMPY_NAMES, VALUE_ATTRIBUTES
+from lqd_llm.sandbox.facades import new_namespace
+
+calls = [f"np.{name}({x})" for name in NUMPY_NAMES for x in ("a", "a, a", "a, 0")]
+calls += [f"np.linalg.{name}({x})" for name in LINALG_NAMES for x in ("a", "a, a")]
+calls += [f"a.{name}({x})" for name in sorted(VALUE_ATTRIBUTES) for x in ("", "0", "0, 1")]
+namespace = new_namespace()
+failed = []
+for call in ["str(a)", "a / 0", *calls]:
+    exec(f"def call(a):\\n    return {call}", namespace)
+    try:
+        namespace["call"](namespace["np"].array([[2.0, 1.0], [1.0, 3.0]]))
+    except (KeyError, ImportError) as error:
+        failed.append((call, repr(error)))
+    except Exception:
+        pass
+print(failed)
+"""
+
+
+def test_nothing_that_numpy_imports_when_first_called_is_missing():
+    # A new process, since NumPy remembers what it has found.
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", FIRST_CALLS],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert done.stdout == "[]\n"
+
+
+def test_other_builtins_are_not_there():
+    namespace = new_namespace()
+    exec("def fitness(info): return open('x')", namespace)
+
+    with pytest.raises(NameError, match="name 'open' is not defined"):
+        namespace["fitness"]({})
