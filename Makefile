@@ -25,7 +25,7 @@ demo: $(INSTALLED) ## Run the faucet search at 8,192 evaluations (a minute or tw
 	$(BIN)/lqd run LQD/Faucet-v0 --evaluations 8192
 
 test: $(INSTALLED) ## Run the fast tests
-	$(BIN)/python -m pytest -m 'not slow'
+	$(BIN)/python -m pytest -m 'not slow' --numprocesses auto --dist loadfile
 
 test-slow: $(INSTALLED) ## Run the tests that take minutes
 	$(BIN)/python -m pytest -m slow

@@ -24,9 +24,13 @@ for i in itertools.count():
 
 DIE_BEFORE_A_LINE = """
 import os, signal, sys
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from lqd_envs import atomic_file
 
+# The module alone, since importing its package takes a second.
+spec = spec_from_file_location("atomic_file", sys.argv[3])
+atomic_file = module_from_spec(spec)
+spec.loader.exec_module(atomic_file)
 left = int(sys.argv[2])
 
 def trace(frame, event, _):
@@ -131,7 +135,11 @@ def test_killed_before_any_of_its_lines_it_leaves_the_old_or_the_new_file(tmp_pa
     while status == -signal.SIGKILL:
         path.write_bytes(b"old")
         status = subprocess.run(
-            [sys.executable, "-c", DIE_BEFORE_A_LINE, str(path), str(len(found) + 1)], check=False
+            [
+                *(sys.executable, "-c", DIE_BEFORE_A_LINE),
+                *(str(path), str(len(found) + 1), atomic_file.__file__),
+            ],
+            check=False,
         ).returncode
         found.append(path.read_bytes())
     assert status == 0
