@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
-from lqd_search.pictures.figure import FAILURE_COLOR, SUCCESS_COLORS, new_figure, png
+from lqd_search.pictures.figure import FAILURE_COLOR, SUCCESS_COLORS, new_figure, new_panels, png
 from lqd_search.runs.stored_archive import StoredGrid
 
 
@@ -32,7 +32,7 @@ def draw_heat_map(name: str, grid: StoredGrid, *, fields: Mapping[str, NDArray[A
     pairs = list(combinations(range(len(grid.spec.dims)), 2))
     columns = min(len(pairs), 3)
     rows = -(-len(pairs) // columns)
-    figure = new_figure(4.4 * columns, 3.8 * rows + 0.4)
+    figure = new_panels(4.4, 3.8, rows=rows, columns=columns)
     success = fields["success"][grid.elites]
     figure.suptitle(_title(name, grid, success))
     panels = figure.subplots(rows, columns, squeeze=False).ravel()

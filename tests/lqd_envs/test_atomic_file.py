@@ -12,10 +12,11 @@ from lqd_envs import atomic_file
 from lqd_envs.atomic_file import write_atomically
 
 REWRITE_FOR_EVER = """
-import itertools, sys
+import itertools, runpy, sys
 from pathlib import Path
-from lqd_envs.atomic_file import write_atomically
 
+# The module alone, since importing its package takes a second.
+write_atomically = runpy.run_path(sys.argv[2])["write_atomically"]
 for i in itertools.count():
     content = b"%d" % (i % 10) * (200_000 if i % 2 else 3_000_000)
     write_atomically(Path(sys.argv[1]), [b"%8d" % len(content), content])
@@ -119,7 +120,8 @@ def test_killed_at_random_moments_it_leaves_a_complete_file(tmp_path):
     path, moments = tmp_path / "file", random.Random(0)
     for _ in range(5):
         with subprocess.Popen(
-            [sys.executable, "-c", REWRITE_FOR_EVER, str(path)], stdout=subprocess.PIPE
+            [sys.executable, "-c", REWRITE_FOR_EVER, str(path), atomic_file.__file__],
+            stdout=subprocess.PIPE,
         ) as child:
             child.stdout.readline()
             time.sleep(moments.uniform(0.0, 0.05))

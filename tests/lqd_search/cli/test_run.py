@@ -257,7 +257,14 @@ def check_method(call, folder, *, task, method):
         assert len(list(csv.DictReader(file))) == 20
 
 
-@pytest.mark.parametrize("method", METHODS)
+# On the other tasks, and ours_plus on this one, they take minutes.
+@pytest.mark.parametrize(
+    "method",
+    [
+        pytest.param(name, marks=pytest.mark.slow) if name == "ours_plus" else name
+        for name in METHODS
+    ],
+)
 def test_every_method_runs(call, tmp_path, monkeypatch, method):
     monkeypatch.setenv("COLUMNS", "80")
     check_method(call, tmp_path / "run", task="LQD/Faucet-v0", method=method)
