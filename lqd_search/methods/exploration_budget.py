@@ -63,17 +63,6 @@ class ExplorationBudget:
         """Evaluations that the first generation and all short runs take."""
         return self.batch_size * (1 + self.runs * (self.short_generations - 1))
 
-    def next_batch(self, evaluations: int) -> int:
-        """Return the size of the next generation.
-
-        Args:
-            evaluations: Number of evaluations spent.
-
-        Returns:
-            The batch size, or what is left.
-        """
-        return min(self.batch_size, self.evaluations - evaluations)
-
     def run_at(self, evaluations: int) -> int | None:
         """Return which short run it is the turn of.
 

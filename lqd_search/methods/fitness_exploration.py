@@ -15,6 +15,7 @@ from lqd_search.emitters.emitter import Emitter
 from lqd_search.evaluation.values import Values
 from lqd_search.methods.exploration_budget import ExplorationBudget
 from lqd_search.methods.method import MethodError
+from lqd_search.methods.turns import Turns
 from lqd_search.schedulers.multi_bd_scheduler import MultiBDScheduler
 from lqd_search.solution_space import SolutionSpace
 
@@ -85,25 +86,24 @@ class LanguageDrivenQD:
         self._fields: FieldDesc = {"evaluation": ((), np.int64), **(passive_fields or {})}
         self._first_rng, *run_rngs = rng.spawn(1 + len(fitness_names))
         self._run_rngs = dict(zip(fitness_names, run_rngs, strict=True))
+        self._turns = Turns(evaluations, batch_size)
         self._runs = self._new_runs()
         self._log: ObservationLog | None = ObservationLog(descriptors)
-        self._evaluations = 0
-        self._asked: NDArray[np.float64] | None = None
 
     @property
     def done(self) -> bool:
         """Whether all evaluations are spent."""
-        return self._evaluations == self.budget.evaluations
+        return self._turns.done
 
     @property
     def evaluations(self) -> int:
         """Number of evaluations told so far."""
-        return self._evaluations
+        return self._turns.evaluations
 
     @property
     def stage(self) -> str:
         """What the method is doing now, in a few words."""
-        if self._evaluations == 0:
+        if self.evaluations == 0:
             return "first batch"
         if self.chosen is not None:
             return f"continuing with {self.chosen}"
@@ -132,15 +132,11 @@ class LanguageDrivenQD:
         Raises:
             MethodError: The generation before has not been told yet, or all is done.
         """
-        if self._asked is not None or self.done:
-            why = "all evaluations are spent" if self.done else "the last ones were not told yet"
-            raise MethodError(f"Expected no further call of ask, since {why}.")
-        n = self.budget.next_batch(self._evaluations)
-        if self._evaluations == 0:
-            self._asked = self._space.sample(n, rng=self._first_rng)
-        else:
-            self._asked = self._current.ask(n)
-        return self._asked.copy()
+        n = self._turns.size()
+        first = self.evaluations == 0
+        return self._turns.ask(
+            self._space.sample(n, rng=self._first_rng) if first else self._current.ask(n)
+        )
 
     def tell(self, values: Values) -> None:
         """Take what the solutions asked for last came to.
@@ -155,21 +151,19 @@ class LanguageDrivenQD:
             SchedulerError: Their number is another, or a column is missing.
             ArchiveError: A column does not fit the archive.
         """
-        if self._asked is None:
-            raise MethodError("Expected a call of ask before tell.")
-        solutions, evaluation = self._asked, self._evaluations + np.arange(len(self._asked))
+        solutions = self._turns.asked()
+        evaluation = self.evaluations + np.arange(len(solutions))
         if self._log is None:
             self._current.tell(solutions, values, evaluation=evaluation)
-        elif self._evaluations + len(solutions) < self.budget.exploration:
+        elif self.evaluations + len(solutions) < self.budget.exploration:
             self._explore(solutions, values, evaluation, self._log)
         else:
             self._end_exploration(solutions, values, evaluation, self._log)
-        self._asked = None
-        self._evaluations += len(solutions)
+        self._turns.tell()
 
     @property
     def _current(self) -> MultiBDScheduler:
-        turn = 0 if self._evaluations == 0 else self.budget.run_at(self._evaluations)
+        turn = 0 if self.evaluations == 0 else self.budget.run_at(self.evaluations)
         # After the exploration only the kept run is left.
         return list(self._runs.values())[turn or 0]
 
@@ -180,7 +174,7 @@ class LanguageDrivenQD:
         evaluation: NDArray[np.int64],
         log: ObservationLog,
     ) -> None:
-        if self._evaluations == 0:
+        if self.evaluations == 0:
             runs = self._new_runs()
             for run in runs.values():
                 run.inject(solutions, values, evaluation=evaluation)

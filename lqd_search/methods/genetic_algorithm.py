@@ -19,6 +19,7 @@ from ribs.typing import FieldDesc
 from lqd_search.evaluation.values import Values
 from lqd_search.methods.method import MethodError
 from lqd_search.methods.told_columns import Told, ToldColumns, stack
+from lqd_search.methods.turns import Turns
 from lqd_search.solution_space import SolutionSpace
 
 RepairFunction: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -80,30 +81,28 @@ class GeneticAlgorithm:
             )
         self._lower, self._upper = _bounds(lower, upper, dim=space.dim)
         self._space = space
-        self._total = evaluations
-        self._batch_size = batch_size
+        self._turns = Turns(evaluations, batch_size)
         self._rng = rng
         self._repair = repair
         self._columns = ToldColumns(space.dim, fitness, dict(passive_fields or {}))
         self._population = self._columns.none()
-        self._evaluations = 0
-        self._asked: NDArray[np.float64] | None = None
 
     @property
     def done(self) -> bool:
         """Whether all evaluations are spent."""
-        return self._evaluations == self._total
+        return self._turns.done
 
     @property
     def evaluations(self) -> int:
         """Number of evaluations told so far."""
-        return self._evaluations
+        return self._turns.evaluations
 
     @property
     def stage(self) -> str:
         """Which generation it is the turn of; after the last one, that one."""
-        generations = -(-self._total // self._batch_size)
-        turn = min(self._evaluations // self._batch_size + 1, generations)
+        size = self._turns.batch_size
+        generations = -(-self._turns.total // size)
+        turn = min(self.evaluations // size + 1, generations)
         return f"generation {turn} of {generations}"
 
     @property
@@ -139,12 +138,8 @@ class GeneticAlgorithm:
         Raises:
             MethodError: The generation before has not been told yet, or all is done.
         """
-        if self._asked is not None or self.done:
-            why = "all evaluations are spent" if self.done else "the last ones were not told yet"
-            raise MethodError(f"Expected no further call of ask, since {why}.")
-        n = min(self._batch_size, self._total - self._evaluations)
-        self._asked = self._children(n) if self._evaluations else self._fresh(n)
-        return self._asked.copy()
+        n = self._turns.size()
+        return self._turns.ask(self._children(n) if self.evaluations else self._fresh(n))
 
     def tell(self, values: Values) -> None:
         """Take what the solutions asked for last came to.
@@ -158,16 +153,15 @@ class GeneticAlgorithm:
             MethodError: Nothing was asked for, their number is another, or a column is missing or
                 of another form.
         """
-        if self._asked is None:
-            raise MethodError("Expected a call of ask before tell.")
-        told = self._columns.take(self._asked, values, first_evaluation=self._evaluations)
+        told = self._columns.take(
+            self._turns.asked(), values, first_evaluation=self._turns.evaluations
+        )
         together = stack([self._population, told])
         # pymoo, too, leaves the first generation in its order.
-        if len(together) > self._batch_size:
+        if len(together) > self._turns.batch_size:
             together = together.rows(self._fittest(together))
         self._population = together
-        self._evaluations += len(told)
-        self._asked = None
+        self._turns.tell()
 
     def _children(self, n: int) -> NDArray[np.float64]:
         mating = Mating(
@@ -191,7 +185,7 @@ class GeneticAlgorithm:
             FitnessSurvival().do(
                 self._problem(),
                 _individuals(told),
-                n_survive=self._batch_size,
+                n_survive=self._turns.batch_size,
                 random_state=self._rng,
                 return_indices=True,
             ),

@@ -15,6 +15,7 @@ from lqd_search.archives.multi_bd_archive import MultiBDArchive
 from lqd_search.emitters.emitter import Emitter
 from lqd_search.evaluation.values import Values
 from lqd_search.methods.method import MethodError
+from lqd_search.methods.turns import Turns
 from lqd_search.schedulers.multi_bd_scheduler import MultiBDScheduler
 from lqd_search.solution_space import SolutionSpace
 
@@ -88,12 +89,9 @@ class MapElitesSuccess:
             )
         self.exploration: dict[str, int] = {}
         self.chosen: str | None = None
-        self._total = evaluations
-        self._batch_size = batch_size
+        self._turns = Turns(evaluations, batch_size)
         self._relearn_at = relearn_at
         self._log = None if relearn_at is None else ObservationLog(descriptors)
-        self._evaluations = 0
-        self._asked: NDArray[np.float64] | None = None
         self._run = MultiBDScheduler(
             MultiBDArchive(
                 descriptors=descriptors,
@@ -115,17 +113,17 @@ class MapElitesSuccess:
     @property
     def done(self) -> bool:
         """Whether all evaluations are spent."""
-        return self._evaluations == self._total
+        return self._turns.done
 
     @property
     def evaluations(self) -> int:
         """Number of evaluations told so far."""
-        return self._evaluations
+        return self._turns.evaluations
 
     @property
     def stage(self) -> str:
         """What the method is doing now, in a few words."""
-        return "first batch" if self._evaluations == 0 else f"searching with {self._run.fitness}"
+        return "first batch" if self.evaluations == 0 else f"searching with {self._run.fitness}"
 
     @property
     def archive(self) -> MultiBDArchive:
@@ -145,11 +143,7 @@ class MapElitesSuccess:
         Raises:
             MethodError: The generation before has not been told yet, or all is done.
         """
-        if self._asked is not None or self.done:
-            why = "all evaluations are spent" if self.done else "the last ones were not told yet"
-            raise MethodError(f"Expected no further call of ask, since {why}.")
-        self._asked = self._run.ask(min(self._batch_size, self._total - self._evaluations))
-        return self._asked.copy()
+        return self._turns.ask(self._run.ask(self._turns.size()))
 
     def tell(self, values: Values) -> None:
         """Take what the solutions asked for last came to.
@@ -164,17 +158,15 @@ class MapElitesSuccess:
             SchedulerError: Their number is another, or a column is missing.
             ArchiveError: A column does not fit the archive.
         """
-        if self._asked is None:
-            raise MethodError("Expected a call of ask before tell.")
-        told = self._evaluations + len(self._asked)
-        evaluation = np.arange(self._evaluations, told)
+        asked = self._turns.asked()
+        evaluation = self.evaluations + np.arange(len(asked))
         if self._log is None or self._relearn_at is None:
-            self._run.tell(self._asked, values, evaluation=evaluation)
-        elif told < self._relearn_at:
-            self._tell_and_record(self._asked, values, evaluation, self._log)
+            self._run.tell(asked, values, evaluation=evaluation)
+        elif self.evaluations + len(asked) < self._relearn_at:
+            self._tell_and_record(asked, values, evaluation, self._log)
         else:
-            self._tell_and_relearn(self._asked, values, evaluation, self._log)
-        self._evaluations, self._asked = told, None
+            self._tell_and_relearn(asked, values, evaluation, self._log)
+        self._turns.tell()
 
     def _tell_and_record(
         self,

@@ -10,6 +10,7 @@ from ribs.typing import FieldDesc
 from lqd_search.evaluation.values import Values
 from lqd_search.methods.method import MethodError
 from lqd_search.methods.told_columns import ToldColumns, stack
+from lqd_search.methods.turns import Turns
 from lqd_search.solution_space import SolutionSpace
 
 
@@ -47,23 +48,20 @@ class RandomSearch:
                 f"{evaluations} and {batch_size}."
             )
         self._space = space
-        self._total = evaluations
-        self._batch_size = batch_size
+        self._turns = Turns(evaluations, batch_size)
         self._rng = rng
         self._columns = ToldColumns(space.dim, fitness, dict(passive_fields or {}))
         self._told = [self._columns.none()]
-        self._evaluations = 0
-        self._asked: NDArray[np.float64] | None = None
 
     @property
     def done(self) -> bool:
         """Whether all evaluations are spent."""
-        return self._evaluations == self._total
+        return self._turns.done
 
     @property
     def evaluations(self) -> int:
         """Number of evaluations told so far."""
-        return self._evaluations
+        return self._turns.evaluations
 
     @property
     def stage(self) -> str:
@@ -103,12 +101,7 @@ class RandomSearch:
         Raises:
             MethodError: The ones before have not been told yet, or all is done.
         """
-        if self._asked is not None or self.done:
-            why = "all evaluations are spent" if self.done else "the last ones were not told yet"
-            raise MethodError(f"Expected no further call of ask, since {why}.")
-        n = min(self._batch_size, self._total - self._evaluations)
-        self._asked = self._space.sample(n, rng=self._rng)
-        return self._asked.copy()
+        return self._turns.ask(self._space.sample(self._turns.size(), rng=self._rng))
 
     def tell(self, values: Values) -> None:
         """Take what the solutions asked for last came to.
@@ -122,9 +115,8 @@ class RandomSearch:
             MethodError: Nothing was asked for, their number is another, or a column is missing or
                 of another form.
         """
-        if self._asked is None:
-            raise MethodError("Expected a call of ask before tell.")
-        told = self._columns.take(self._asked, values, first_evaluation=self._evaluations)
+        told = self._columns.take(
+            self._turns.asked(), values, first_evaluation=self._turns.evaluations
+        )
         self._told.append(told.rows(told.valid))
-        self._evaluations += len(told)
-        self._asked = None
+        self._turns.tell()

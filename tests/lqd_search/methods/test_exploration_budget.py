@@ -28,13 +28,6 @@ def test_the_short_runs_come_one_after_the_other():
     assert turns == [0, 0, 0, 1, 1, 1, 2, 2, 2, None, None]
 
 
-def test_the_last_generation_takes_what_is_left():
-    budget = ExplorationBudget(1_025, 50, 3)
-    assert budget.next_batch(950) == 50
-    assert budget.next_batch(1_000) == 25
-    assert budget.next_batch(1_025) == 0
-
-
 @pytest.mark.parametrize(
     ("evaluations", "batch_size", "runs", "message"),
     [
