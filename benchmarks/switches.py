@@ -71,7 +71,7 @@ def run_cell(
     method = ours_with(setting, switches=switches)
     valid: list[int] = []
     began = time.monotonic()
-    search(method, evaluate, observe=lambda _, values: valid.append(int(values.valid.sum())))
+    search(method, evaluate, observe=lambda told: valid.append(int(told.values.valid.sum())))
     archive = SuccessArchive.of(method.output(), ground_truth=task.ground_truth)
     return Cell(
         task=task_name,
