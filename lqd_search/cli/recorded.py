@@ -110,9 +110,9 @@ def function_texts(inferred: "InferredFunctionals", *, method: str) -> list[Func
     direct = inferred.direct
     kinds = (
         {
-            "success": (direct.success,),
-            "fitness": (direct.fitness,),
-            "descriptor": (direct.descriptor,),
+            "direct.success": (direct.success,),
+            "direct.fitness": (direct.fitness,),
+            "direct.descriptor": (direct.descriptor,),
         }
         if steering == DIRECT
         else {
