@@ -128,12 +128,14 @@ class ArchiveFields:
                 check_block(name, measures[:, self.columns_of(name)])
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
-        extra = {
-            name: (int(shape),) if isinstance(shape, int | np.integer) else tuple(map(int, shape))
-            for name, (shape, _) in self.beside_measures.items()
-        }
+        extra = {name: row_shape(shape) for name, (shape, _) in self.beside_measures.items()}
         measures = sum(self.descriptors.values())
         return {"solution": (self.solution_dim,), "objective": (), "measures": (measures,), **extra}
+
+
+def row_shape(shape: Any) -> tuple[int, ...]:
+    """Return the shape of one row of a field, which pyribs lets be given as a number, too."""
+    return (int(shape),) if isinstance(shape, int | np.integer) else tuple(map(int, shape))
 
 
 def _column(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ribs.typing import FieldDesc
 
+from lqd_search.archives.archive_fields import row_shape
 from lqd_search.evaluation.values import Values
 from lqd_search.methods.method import MethodError
 
@@ -88,7 +89,7 @@ class ToldColumns:
             "evaluation": np.empty(0, np.int64),
         }
         passive = {
-            name: np.empty((0, *_shape(shape)), dtype)
+            name: np.empty((0, *row_shape(shape)), dtype)
             for name, (shape, dtype) in self.passive.items()
         }
         return Told(np.empty(0, np.bool_), columns | passive)
@@ -126,13 +127,9 @@ class ToldColumns:
         for name, (shape, dtype) in self.passive.items():
             _check_name("passive column", name, values.passive)
             columns[name] = _column(
-                name, values.passive[name], shape=(n, *_shape(shape)), dtype=np.dtype(dtype)
+                name, values.passive[name], shape=(n, *row_shape(shape)), dtype=np.dtype(dtype)
             )
         return Told(values.valid.copy(), columns)
-
-
-def _shape(shape: Any) -> tuple[int, ...]:
-    return (int(shape),) if isinstance(shape, int | np.integer) else tuple(map(int, shape))
 
 
 def _check_name(kind: str, name: str, there: Mapping[str, Any]) -> None:
