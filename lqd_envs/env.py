@@ -1,5 +1,6 @@
 """A task as a Gymnasium environment."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium as gym
@@ -17,13 +18,13 @@ from lqd_envs.inputs import (
     overlap_error,
     require_known_options,
 )
+from lqd_envs.instances.instance import Instance, task_of
 from lqd_envs.observation import Observation
 from lqd_envs.perception import Columns
 from lqd_envs.rendering import ArrayRenderer, WindowRenderer
 from lqd_envs.reward import get_reward
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.panda import HOME
-from lqd_envs.tasks.registry import get_task
 
 MAX_EPISODE_STEPS = 150
 """Length of an episode in control steps (3 s): twice that of a motion primitive."""
@@ -97,6 +98,9 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
     ## Arguments
 
     * `task`: id of the task.
+    * `instance`: an `lqd_envs.instances.Instance` of the task, the dictionary of one, or None. Its
+      scene is simulated, and a success is what it calls one. Once the robot has touched one of its
+      obstacles, there is no success and no reward until the next reset.
     * `reward`: `"sparse"` or `"dense"`.
     * `render_mode`: `"rgb_array"`, `"human"` or None.
     * `width`, `height`: size of the pictures in pixels.
@@ -115,6 +119,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         self,
         task: str = "LQD/Faucet-v0",
         *,
+        instance: Instance | Mapping[str, Any] | None = None,
         reward: str = "sparse",
         render_mode: str | None = None,
         width: int = 640,
@@ -127,12 +132,13 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             )
         self.render_mode = render_mode
         self._size = checked_size(width, height)
-        self._scene = load_scene(get_task(task))
+        self._scene = load_scene(task_of(task, instance))
         self._reward = get_reward(reward)
         self._layout = Observation.of(self._scene)
         self._renderer: ArrayRenderer | None = None
         self._window: WindowRenderer | None = None
         self._start_sensordata: NDArray[np.float64] | None = None
+        self._obstructed = False
         self.model = self._scene.model
         self.data = mujoco.MjData(self.model)
         self.action_space = spaces.Box(-1.0, 1.0, (ACTION_DIM,), np.float32)
@@ -169,6 +175,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         if self._scene.sensors.robot_touches(self.data.sensordata):
             raise overlap_error()
         self._start_sensordata = self.data.sensordata.copy()
+        self._obstructed = False
         if self.render_mode == "human":
             self.render()
         observation, _, info = self._observe(self._start_sensordata)
@@ -200,8 +207,10 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             self.render()
         observation, columns, info = self._observe(self._start_sensordata)
         diverged = bool(np.any(self.data.warning.number))
-        info["is_success"] &= not diverged
-        reward = 0.0 if diverged else float(self._reward(self._scene.task, columns)[0])
+        self._obstructed |= bool(self._scene.sensors.robot_touches_obstacle(self.data.sensordata))
+        failed = diverged or self._obstructed
+        info["is_success"] &= not failed
+        reward = 0.0 if failed else float(self._reward(self._scene.task, columns)[0])
         return observation, reward, False, diverged, info
 
     def render(self) -> NDArray[np.uint8] | None:

@@ -68,6 +68,7 @@ def simulate(
     rows = np.flatnonzero(plan.verdicts == Verdict.VALID)
     sensordata = np.empty((len(rows), MOTION_STEPS + 1, scene.model.nsensordata))
     warned = np.empty(len(rows), dtype=bool)
+    obstructed = np.zeros(len(solutions), dtype=bool)
     for start in range(0, len(rows), _CHUNK):
         chunk = slice(start, start + _CHUNK)
         sensordata[chunk], warned[chunk] = _simulate_chunk(
@@ -75,12 +76,14 @@ def simulate(
         )
     verdicts = plan.verdicts.copy()
     verdicts[rows] = _judge(scene, sensordata, warned)
+    obstructed[rows] = scene.sensors.robot_touches_obstacle(sensordata).any(axis=1)
     return Trajectories(
         task=scene.task,
         solutions=solutions,
         plan=plan,
         verdicts=verdicts,
         columns=scene.sensors.columns(sensordata).spread(rows, n=len(solutions)),
+        obstructed=obstructed if scene.sensors.sees_obstacles else None,
     )
 
 

@@ -1,7 +1,7 @@
 """A task's compiled scene, with what is needed to drive it and to read it."""
 
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 
 import mujoco
 import numpy as np
@@ -10,9 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from lqd_envs.action import CONTROL_STEP, ActionMap
 from lqd_envs.scenes.panda import ARM_JOINTS, FINGER_JOINTS, FINGER_OPEN, HOME
 from lqd_envs.scenes.sensors import SensorReader, add_sensors
+from lqd_envs.tasks.registry import TASKS
 from lqd_envs.tasks.task import Task
 
 _SETTLING_TIME = 2.0
+# A compiled scene takes 26 MB, and there are as many instances of a task as one cares to draw.
+_KEPT_VARIANTS = 8
 
 
 @dataclass(frozen=True)
@@ -57,14 +60,34 @@ class Scene:
         return qpos
 
 
-@cache
 def load_scene(task: Task, *, physics_step: float | None = None) -> Scene:
-    """Return the scene of a task, compiled once a process.
+    """Return the scene of a task.
+
+    A registered task's is compiled once a process; of variants of it, such as its instances, the
+    latest few are kept. A variant that has the registered task's own scene shares it.
 
     Args:
         task: The task.
         physics_step: Physics step in s instead of the scene's own, to measure what it changes.
     """
+    registered = TASKS.get(task.id, task)
+    if registered == task:
+        return _load_for_good(task, physics_step=physics_step)
+    if _is_seen_alike(registered, task):
+        return replace(_load_for_good(registered, physics_step=physics_step), task=task)
+    return _load_lately(task, physics_step=physics_step)
+
+
+def _is_seen_alike(task: Task, other: Task) -> bool:
+    return (task.build_scene, task.schema, task.base, task.fast_points) == (
+        other.build_scene,
+        other.schema,
+        other.base,
+        other.fast_points,
+    )
+
+
+def _compile_scene(task: Task, *, physics_step: float | None) -> Scene:
     spec = task.build_scene()
     add_sensors(spec, schema=task.schema, base=task.base, fast_points=task.fast_points)
     if physics_step is not None:
@@ -85,6 +108,10 @@ def load_scene(task: Task, *, physics_step: float | None = None) -> Scene:
         finger_qpos=addresses("qposadr", FINGER_JOINTS),
         rest=_settled(model),
     )
+
+
+_load_for_good = cache(_compile_scene)
+_load_lately = lru_cache(maxsize=_KEPT_VARIANTS)(_compile_scene)
 
 
 def _settled(model: mujoco.MjModel) -> NDArray[np.float64]:

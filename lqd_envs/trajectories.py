@@ -23,6 +23,8 @@ class Trajectories:
         plan: Their start configurations and actions.
         verdicts: (N,) uint8, a `Verdict` each.
         columns: (N, 76, ...) perception at every control step; zero where it was rejected.
+        obstructed: (N,) bool: whether the robot touched an obstacle at a control step; None where
+            the scene has no obstacles.
     """
 
     task: Task
@@ -30,6 +32,7 @@ class Trajectories:
     plan: MotionPlan
     verdicts: NDArray[np.uint8]
     columns: Columns
+    obstructed: NDArray[np.bool_] | None = None
 
     def __len__(self) -> int:
         """Return the number of motions."""
@@ -52,6 +55,7 @@ class Trajectories:
             ),
             verdicts=self.verdicts[rows],
             columns=self.columns.rows(rows),
+            obstructed=None if self.obstructed is None else self.obstructed[rows],
         )
 
     def infos(self, i: int) -> Infos:
@@ -69,8 +73,12 @@ class Trajectories:
         return self.columns.infos(i)
 
     def success(self) -> NDArray[np.bool_]:
-        """Return (N,) bool: the expert's word on each motion; False where it failed before."""
-        return np.asarray(self.task.success(self.columns)) & self.valid
+        """Return (N,) bool: the expert's word on each motion; False where it failed before.
+
+        A motion that touched an obstacle is none: a real robot would have stopped there.
+        """
+        success = np.asarray(self.task.success(self.columns)) & self.valid
+        return success if self.obstructed is None else success & ~self.obstructed
 
     def ground_truth(self) -> NDArray[np.float64]:
         """Return (N, d) float64: the ground-truth measures; NaN where undefined or not valid."""

@@ -1,5 +1,6 @@
 """A task as many environments that are simulated together."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium as gym
@@ -27,13 +28,13 @@ from lqd_envs.inputs import (
     overlap_error,
     require_known_options,
 )
+from lqd_envs.instances.instance import Instance, task_of
 from lqd_envs.observation import Observation
 from lqd_envs.perception import Columns
 from lqd_envs.rendering import ArrayRenderer
 from lqd_envs.reward import get_reward
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.panda import HOME
-from lqd_envs.tasks.registry import get_task
 from lqd_envs.vector_info import column_infos, final_infos
 
 _NO_STAGE = int(mujoco.mjtStage.mjSTAGE_NONE)
@@ -78,7 +79,7 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
     ## Arguments
 
     * `num_envs`: number of envs.
-    * `task`, `reward`, `width`, `height`: as in `ManipulationEnv`.
+    * `task`, `instance`, `reward`, `width`, `height`: as in `ManipulationEnv`.
     * `max_episode_steps`: control steps after which an episode is truncated; None or -1: never.
     * `autoreset_mode`: a `gymnasium.vector.AutoresetMode` or its value, such as `"SameStep"`.
     * `render_mode`: `"rgb_array"` or None.
@@ -100,6 +101,7 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         num_envs: int,
         task: str = "LQD/Faucet-v0",
         *,
+        instance: Instance | Mapping[str, Any] | None = None,
         reward: str = "sparse",
         max_episode_steps: int | None = MAX_EPISODE_STEPS,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
@@ -116,7 +118,7 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         self._size = checked_size(width, height)
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "autoreset_mode": self._mode}
-        self._scene = load_scene(get_task(task))
+        self._scene = load_scene(task_of(task, instance))
         self._reward = get_reward(reward)
         self._layout = Observation.of(self._scene)
         self._renderer: ArrayRenderer | None = None
@@ -131,6 +133,7 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         self._start_sensordata = np.zeros_like(self._sensordata)
         self._started = np.zeros(self.num_envs, dtype=bool)
         self._done = np.zeros(self.num_envs, dtype=bool)
+        self._obstructed = np.zeros(self.num_envs, dtype=bool)
         self._elapsed = np.zeros(self.num_envs, dtype=np.int64)
 
     @property
@@ -197,9 +200,11 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
 
         observations, columns = self._perceive()
         diverged = stepped & self.batch.warning[:, :, 1].any(axis=1)
-        success = self._scene.task.success(columns) & ~diverged
+        self._obstructed |= self._scene.sensors.robot_touches_obstacle(self._sensordata)
+        failed = diverged | self._obstructed
+        success = self._scene.task.success(columns) & ~failed
         rewards = np.where(
-            stepped & ~diverged, self._reward(self._scene.task, columns), np.float64(0.0)
+            stepped & ~failed, self._reward(self._scene.task, columns), np.float64(0.0)
         )
         self._done = stepped & (diverged | self._is_over())
         truncations = self._done.copy()
@@ -208,7 +213,7 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
             final = final_infos(observations, columns, success=success, mask=truncations)
             self._restart(truncations)
             observations, columns = self._perceive()
-            success = self._scene.task.success(columns)
+            success = self._scene.task.success(columns) & ~self._obstructed
         infos = final | column_infos(
             columns, success=success, mask=np.ones(self.num_envs, dtype=bool)
         )
@@ -258,6 +263,7 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         self._start_sensordata[envs] = self._sensordata[envs]
         self._started[envs] = True
         self._done[envs] = False
+        self._obstructed[envs] = False
         self._elapsed[envs] = 0
 
     def _restart(self, mask: _Bools) -> None:

@@ -12,11 +12,15 @@ from lqd_envs.perception import Columns, PerceptionSchema
 from lqd_envs.scenes.panda import GRIPPER, GRIPPER_SITE, ROBOT_BASE
 from lqd_envs.scenes.workspace import TABLE
 
+OBSTACLES = "obstacles"
+"""Name of the body that holds an instance's obstacles, in the scenes that have any."""
+
 _FOUND = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND)
 _DISTANCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_DIST)
 _CLOSEST = 1
 _ROBOT_CONTACT = "robot_contact"
 _OBJECT_CONTACT = "object_contact"
+_OBSTACLE_CONTACT = "robot_obstacle"
 
 
 def add_sensors(
@@ -56,6 +60,7 @@ def add_sensors(
     table = {"reftype": objects.mjOBJ_GEOM, "refname": TABLE}
     if not schema.fixed:
         add_contact("object_table", first=(objects.mjOBJ_XBODY, base), **table)
+    if not schema.fixed or _has_obstacles(spec):
         add_contact(_OBJECT_CONTACT, first=(objects.mjOBJ_XBODY, base))
     add_contact("robot_table", first=(objects.mjOBJ_XBODY, ROBOT_BASE), **table)
     for link in schema.links:
@@ -66,6 +71,17 @@ def add_sensors(
             refname=link,
         )
     add_contact(_ROBOT_CONTACT, first=(objects.mjOBJ_XBODY, ROBOT_BASE))
+    if _has_obstacles(spec):
+        add_contact(
+            _OBSTACLE_CONTACT,
+            first=(objects.mjOBJ_XBODY, ROBOT_BASE),
+            reftype=objects.mjOBJ_BODY,
+            refname=OBSTACLES,
+        )
+
+
+def _has_obstacles(spec: mujoco.MjSpec) -> bool:
+    return spec.body(OBSTACLES) is not None
 
 
 @dataclass(frozen=True)
@@ -127,6 +143,17 @@ class SensorReader:
     def robot_touches(self, sensordata: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (...) bool: whether any part of the robot touches table or object."""
         return self._touches(sensordata, _ROBOT_CONTACT)
+
+    @property
+    def sees_obstacles(self) -> bool:
+        """Whether the scene has obstacles."""
+        return _OBSTACLE_CONTACT in self.slices
+
+    def robot_touches_obstacle(self, sensordata: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return (...) bool: whether any part of the robot touches an obstacle of the scene."""
+        if not self.sees_obstacles:
+            return np.zeros(sensordata.shape[:-1], dtype=bool)
+        return self._touches(sensordata, _OBSTACLE_CONTACT)
 
     def depth(self, sensordata: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (...) float64: the deepest contact of robot or object, in m, at least 0."""
