@@ -74,7 +74,7 @@ MATH_NAMES = (
 
 NUMPY_CREATORS = (
     *("arange", "array", "asarray", "empty", "eye", "full", "full_like", "fromiter", "identity"),
-    *("ones", "ones_like", "zeros", "zeros_like"),
+    *("linspace", "logspace", "ones", "ones_like", "zeros", "zeros_like"),
 )
 """The functions of `np` that make arrays from anything; theirs hold numbers and nothing else."""
 
@@ -89,31 +89,35 @@ NUMPY_NAMES = (
     *NUMPY_CREATORS,
     *NUMPY_TYPES,
     # Of each element.
-    *("abs", "absolute", "add", "arccos", "arccosh", "arcsin", "arcsinh", "arctan", "arctan2"),
-    *("arctanh", "around", "cbrt", "ceil", "clip", "copysign", "cos", "cosh", "deg2rad"),
-    *("degrees", "divide", "divmod", "equal", "exp", "exp2", "expm1", "fabs", "floor"),
-    *("floor_divide", "fmax", "fmin", "fmod", "greater", "greater_equal", "heaviside", "hypot"),
-    *("isclose", "isfinite", "isinf", "isnan", "less", "less_equal", "log", "log10", "log1p"),
-    *("log2", "logical_and", "logical_not", "logical_or", "logical_xor", "maximum", "minimum"),
-    *("mod", "multiply", "nan_to_num", "negative", "not_equal", "power", "rad2deg", "radians"),
-    *("real", "reciprocal", "remainder", "rint", "round", "sign", "signbit", "sin", "sinc"),
-    *("sinh", "sqrt", "square", "subtract", "tan", "tanh", "trunc", "unwrap"),
+    *("abs", "absolute", "add", "angle", "arccos", "arccosh", "arcsin", "arcsinh", "arctan"),
+    *("arctan2", "arctanh", "around", "bitwise_and", "bitwise_or", "bitwise_xor", "cbrt", "ceil"),
+    *("clip", "conj", "copysign", "cos", "cosh", "deg2rad", "degrees", "divide", "divmod"),
+    *("equal", "exp", "exp2", "expm1", "fabs", "float_power", "floor", "floor_divide", "fmax"),
+    *("fmin", "fmod", "greater", "greater_equal", "heaviside", "hypot", "imag", "isclose"),
+    *("isfinite", "isin", "isinf", "isnan", "less", "less_equal", "log", "log10", "log1p", "log2"),
+    *("logaddexp", "logical_and", "logical_not", "logical_or", "logical_xor", "maximum"),
+    *("minimum", "mod", "multiply", "nan_to_num", "negative", "not_equal", "power", "rad2deg"),
+    *("radians", "real", "reciprocal", "remainder", "rint", "round", "sign", "signbit", "sin"),
+    *("sinc", "sinh", "sqrt", "square", "subtract", "tan", "tanh", "trunc", "unwrap"),
     # Of all elements, or along an axis.
-    *("all", "allclose", "amax", "amin", "any", "argmax", "argmin", "argsort", "argwhere"),
-    *("array_equal", "average", "corrcoef", "count_nonzero", "cov", "cumprod", "cumsum", "diff"),
-    *("flatnonzero", "gradient", "isscalar", "max", "mean", "median", "min", "nanargmax"),
-    *("nanargmin", "nanmax", "nanmean", "nanmedian", "nanmin", "nanstd", "nansum", "nanvar"),
-    *("ndim", "nonzero", "percentile", "prod", "ptp", "quantile", "searchsorted", "shape", "size"),
-    *("sort", "std", "sum", "trapezoid", "unique", "var"),
+    *("all", "allclose", "amax", "amin", "any", "argmax", "argmin", "argpartition", "argsort"),
+    *("argwhere", "array_equal", "average", "bincount", "corrcoef", "count_nonzero", "cov"),
+    *("cumprod", "cumsum", "diff", "ediff1d", "flatnonzero", "gradient", "intersect1d"),
+    *("isscalar", "lexsort", "max", "mean", "median", "min", "nanargmax", "nanargmin"),
+    *("nancumsum", "nanmax", "nanmean", "nanmedian", "nanmin", "nanpercentile", "nanprod"),
+    *("nanquantile", "nanstd", "nansum", "nanvar", "ndim", "nonzero", "partition", "percentile"),
+    *("prod", "ptp", "quantile", "searchsorted", "setdiff1d", "shape", "size", "sort", "std"),
+    *("sum", "trapezoid", "union1d", "unique", "var"),
     # Of vectors, matrices and curves.
     *("convolve", "correlate", "cross", "diag", "diagonal", "digitize", "dot", "einsum"),
-    *("histogram", "inner", "interp", "linspace", "matmul", "outer", "polyfit", "polyval"),
+    *("histogram", "inner", "interp", "matmul", "outer", "polyfit", "polyval", "roots"),
     *("tensordot", "trace", "tril", "triu", "vdot"),
     # Of the shape.
-    *("append", "atleast_1d", "atleast_2d", "broadcast_to", "column_stack", "concatenate"),
-    *("delete", "expand_dims", "flip", "hstack", "insert", "kron", "meshgrid", "moveaxis"),
-    *("ravel", "repeat", "reshape", "roll", "select", "split", "squeeze", "stack", "swapaxes"),
-    *("take", "tile", "transpose", "vstack", "where"),
+    *("append", "array_split", "atleast_1d", "atleast_2d", "atleast_3d", "broadcast_to"),
+    *("column_stack", "concatenate", "delete", "dstack", "expand_dims", "flip", "fliplr"),
+    *("flipud", "hstack", "insert", "kron", "meshgrid", "moveaxis", "pad", "ravel", "repeat"),
+    *("reshape", "roll", "rot90", "select", "split", "squeeze", "stack", "swapaxes", "take"),
+    *("tile", "transpose", "vstack", "where"),
 )
 """What `np` has: nothing that reads or writes files, draws at random or compiles."""
 

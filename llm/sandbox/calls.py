@@ -18,6 +18,10 @@ from lqd_llm.sandbox.reasons import (
     TYPE_NUMBERS,
     Reason,
 )
+from lqd_llm.sandbox.renewal import ChangedConstantError
+
+SOURCE_NAME = "<functional"
+"""How the file names begin that the functions' code is compiled with."""
 
 Record = tuple[int, int, int, int, float, float, float, float, float]
 """Reason, detail, line, length, and five numbers: `wire.RECORD` without its names."""
@@ -99,7 +103,7 @@ def call_fitness(fitness: Function, infos: Infos) -> Record:
     return (_ACCEPTED, 0, 0, 1, mean, 0.0, 0.0, 0.0, 0.0)
 
 
-def call_timestamp(timestamp: Function, infos: Infos, *, places: Mapping[int, int]) -> Record:
+def call_timestamp(timestamp: Function, infos: Infos, places: Mapping[int, int]) -> Record:
     """Ask a timestamp function which moment of a motion it picks.
 
     Args:
@@ -173,20 +177,20 @@ def raised(error: Exception) -> Record:
     """
     if isinstance(error, MemoryError):
         raise error
+    if isinstance(error, ChangedConstantError):
+        return plain(Reason.CHANGED)
     names = (kind.__name__ for kind in type(error).__mro__)
     number = next(EXCEPTION_NUMBERS[name] for name in names if name in EXCEPTION_NUMBERS)
     return plain(Reason.RAISED, detail=number, line=_line_of(error))
 
 
 def _line_of(error: Exception) -> int:
-    trace = error.__traceback__.tb_next if error.__traceback__ else None
-    if trace is None:
-        return 0
-    # The last line of the function's own source, not one of a library that it called.
-    file, line = trace.tb_frame.f_code.co_filename, trace.tb_lineno
-    while trace := trace.tb_next:
-        if trace.tb_frame.f_code.co_filename == file:
+    line, trace = 0, error.__traceback__
+    while trace is not None:
+        # The last line of the function's own source, not one of a library that it called.
+        if trace.tb_frame.f_code.co_filename.startswith(SOURCE_NAME):
             line = trace.tb_lineno
+        trace = trace.tb_next
     return line
 
 

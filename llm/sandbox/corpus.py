@@ -83,7 +83,9 @@ def read_corpus(path: Path) -> tuple[CorpusLine, ...]:
         texts = path.read_text(encoding="utf-8").split("\n")
     except (OSError, UnicodeDecodeError) as error:
         raise SandboxError(f"The corpus {path} cannot be read ({error}).") from error
-    return tuple(_line(text, where=f"{path}:{n}") for n, text in enumerate(texts, 1) if text)
+    return tuple(
+        _line(text, where=f"{path}:{n}") for n, text in enumerate(texts, 1) if text.strip()
+    )
 
 
 def run_corpus(
@@ -131,9 +133,9 @@ def _line(text: str, *, where: str) -> CorpusLine:
             entry=str(told["entry"]),
             code=str(told["code"]),
             expected=str(told["expected"]),
-            also_ok=tuple(told.get("also_ok", ())),
+            also_ok=tuple(map(str, told.get("also_ok") or ())),
         )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise SandboxError(
             f"Expected an object with name, kind, entry, code and expected, but {where} is "
             f"another ({error}); correct that line."

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Any
 
-from lqd_llm.sandbox.calls import Function, Record, plain, raised
+from lqd_llm.sandbox.calls import SOURCE_NAME, Function, Record, plain, raised
 from lqd_llm.sandbox.facades import new_namespace
 from lqd_llm.sandbox.motion_calls import DefinedFunction
 from lqd_llm.sandbox.reasons import Reason
+from lqd_llm.sandbox.renewal import RenewedFunction, can_be_changed
 from lqd_llm.sandbox.roles import Role
 from lqd_llm.sandbox.wire import (
     DEFINITIONS_OFFSET,
@@ -50,16 +51,24 @@ def define_functions(
 
 
 def _define(source: str, *, entry: str, number: int) -> tuple[Function | None, Record]:
-    namespace = new_namespace()
-    namespace["__builtins__"] = {**namespace["__builtins__"], "isinstance": _isinstance}
-    code = compile(source, f"<functional {number}>", "exec", dont_inherit=True)
-    try:
+    around = new_namespace()
+    around["__builtins__"] = {**around["__builtins__"], "isinstance": _isinstance}
+    code = compile(source, f"{SOURCE_NAME} {number}>", "exec", dont_inherit=True)
+
+    def define() -> dict[str, Any]:
+        namespace = dict(around)
         exec(code, namespace)  # noqa: S102
+        return namespace
+
+    try:
+        namespace = define()
+        call = namespace.get(entry)
+        if not callable(call):
+            return None, plain(Reason.NOT_DEFINED)
+        if can_be_changed(namespace):
+            return RenewedFunction(define, entry=entry), _DEFINED
     except Exception as error:  # noqa: BLE001 (a model wrote this code, and it may raise anything)
         return None, raised(error)
-    call = namespace.get(entry)
-    if not callable(call):
-        return None, plain(Reason.NOT_DEFINED)
     return call, _DEFINED
 
 

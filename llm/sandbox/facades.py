@@ -11,7 +11,6 @@ from types import FunctionType
 from typing import Any, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lqd_llm.sandbox.allowlist import (
     BUILTINS,
@@ -41,6 +40,11 @@ def new_namespace() -> dict[str, Any]:
     }
 
 
+def is_facade(value: object) -> bool:
+    """Return whether a value is one of the facades."""
+    return value is _MATH or value is _NUMPY or value is _NUMPY.linalg
+
+
 def _facade(name: str, members: Mapping[str, Any]) -> Any:
     """Return an object that has the given attributes, and can neither gain nor lose any."""
 
@@ -61,19 +65,20 @@ def _facade(name: str, members: Mapping[str, Any]) -> Any:
     return type("module", (), own | special)()
 
 
-def _of_numbers(create: Callable[..., NDArray[Any]]) -> Callable[..., NDArray[Any]]:
+def _of_numbers(create: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that makes arrays as `create` does, but of numbers only.
 
     An array of texts can be read as times, and so tells the time of day; one of objects calls
     their methods.
     """
-    numbers = _NUMBERS
+    numbers, with_step = _NUMBERS, tuple
 
-    def creator(*args: Any, **kwargs: Any) -> NDArray[Any]:
-        array = create(*args, **kwargs)
+    def creator(*args: Any, **kwargs: Any) -> Any:
+        made: Any = create(*args, **kwargs)
+        array = made[0] if made.__class__ is with_step else made
         if array.dtype.kind not in numbers:
             raise TypeError("an array can only hold numbers and truth values")
-        return array
+        return made
 
     return _alone(creator, name=create.__name__)
 

@@ -1,5 +1,6 @@
 """All calls of one motion, and their records. This file runs in the worker."""
 
+import gc
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -112,17 +113,25 @@ class MotionCalls:
         return records
 
     def _on_motion(self, function: int, infos: Infos, places: Mapping[int, int]) -> Record:
-        call, role = self._functions[function], self._roles[function]
-        if call is None:
-            return DROPPED
-        self.begin(function)
+        role = self._roles[function]
         if role is Role.TIMESTAMP:
-            return call_timestamp(call, infos, places=places)
-        return self._on_infos[role](call, infos)
+            return self._ask(function, call_timestamp, infos, places)
+        return self._ask(function, self._on_infos[role], infos)
 
     def _at_moment(self, function: int, moment: Mapping[str, Any]) -> Record:
+        return self._ask(function, call_quantity, moment)
+
+    def _ask(self, function: int, ask: Callable[..., Record], *arguments: Any) -> Record:
         call = self._functions[function]
         if call is None:
             return DROPPED
         self.begin(function)
-        return call_quantity(call, moment)
+        try:
+            return ask(call, *arguments)
+        except MemoryError:
+            # Left at once: while it is handled, what the function holds is kept.
+            pass
+        # What others left behind may have taken the memory, and nobody should answer for that.
+        gc.collect()
+        self.begin(function)
+        return ask(call, *arguments)

@@ -15,12 +15,14 @@ class Names:
         bound: All that are bound somewhere: variables, arguments, functions.
         assigned: Those that an assignment at the top level binds.
         constants: Those of `assigned` that no function binds too and that are no facade.
+        unpacking: Those that can only be functions of the code's own, or `dict`.
         facades: For each name that stands for a facade, which one: a key of `FACADE_NAMES`.
     """
 
     bound: frozenset[str]
     assigned: frozenset[str]
     constants: frozenset[str]
+    unpacking: frozenset[str]
     facades: Mapping[str, str]
 
     @classmethod
@@ -36,10 +38,12 @@ class Names:
             else:
                 assigned.update(_bound_in(statement))
         facades = _facades(tree)
+        bound = functions | assigned | inside
         return cls(
-            bound=frozenset(functions | assigned | inside),
+            bound=frozenset(bound),
             assigned=frozenset(assigned),
             constants=frozenset(assigned - inside - facades.keys()),
+            unpacking=_unpacking(tree, bound),
             facades=facades,
         )
 
@@ -70,6 +74,28 @@ def _bound_in(*nodes: ast.AST) -> Iterator[str]:
                     yield name
                 case ast.ExceptHandler(name=str(name)):
                     yield name
+
+
+def own_nodes(function: ast.FunctionDef) -> Iterator[ast.AST]:
+    """Yield what belongs to a function itself and not to one that is defined within it."""
+    waiting: list[ast.AST] = list(function.body)
+    while waiting:
+        node = waiting.pop()
+        yield node
+        if not isinstance(node, ast.FunctionDef | ast.Lambda):
+            waiting.extend(ast.iter_child_nodes(node))
+
+
+def _unpacking(tree: ast.Module, bound: set[str]) -> frozenset[str]:
+    defined = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    others = set()
+    for node in ast.walk(tree):
+        match node:
+            case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name):
+                others.add(name)
+            case ast.ExceptHandler(name=str(name)):
+                others.add(name)
+    return frozenset((defined | ({"dict"} - bound)) - others)
 
 
 def _facades(tree: ast.Module) -> dict[str, str]:

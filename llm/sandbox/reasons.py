@@ -27,6 +27,8 @@ class Reason(IntEnum):
     NOT_ELEMENT = 14
     NOT_DEFINED = 15
     """Its code ran, and left no function."""
+    CHANGED = 16
+    """It changed what it holds at its top level, where it could remember a call."""
 
 
 SHORTEST, LONGEST = 2, 5
@@ -76,6 +78,7 @@ _PLAIN = {
     Reason.INFINITE: "returned infinity",
     Reason.MEAN_TOO_LARGE: "returned numbers whose mean is too large for a float",
     Reason.NOT_ELEMENT: "returned something else than an element of infos or None",
+    Reason.CHANGED: "changed a value at its top level, so that one call would remember another",
     Reason.NOT_DEFINED: "is not a function once its code has run",
 }
 _WANTED = {

@@ -98,7 +98,7 @@ def check_records(
     """
     for slot, role in enumerate(roles):
         column = records[:, slot]
-        possible = _POSSIBLE[role] | _ALWAYS_POSSIBLE
+        possible = _POSSIBLE[role] | _ALWAYS_POSSIBLE | {Reason.CHANGED}
         if dropped[slot]:
             possible = possible | {Reason.DROPPED}
         _check_reasons(column, possible, what=f"a {role}")

@@ -18,12 +18,19 @@ from lqd_llm.sandbox.allowlist import (
     VALUE_ATTRIBUTES,
 )
 from lqd_llm.sandbox.errors import RejectedCodeError
-from lqd_llm.sandbox.names import Names, root_of
+from lqd_llm.sandbox.names import Names, own_nodes, root_of
 
 _AVAILABLE = frozenset(BUILTINS)
 _FACADES = frozenset(name for name in FACADE_NAMES if "." not in name)
 _PLAIN_FORMAT = re.compile(r"(?:.?[<>=^])?[-+ ]?z?#?0?\d{0,2}[,_]?(?:\.\d{1,2})?[a-zA-Z%]?")
 _EXPECTED_DTYPE = "the elements of an array can only be float, int, bool or complex"
+_EXPECTED_FOLD = "{} takes an array and an axis here, and is called where it is named"
+# What else they are given may be the type of the elements, as text that could be anything.
+_TYPED = {
+    "astype": _EXPECTED_DTYPE,
+    **{name: _EXPECTED_FOLD.format(name) for name in ("accumulate", "reduce")},
+}
+_TYPE_KEYWORDS = frozenset({"casting", "like", "sig", "signature"})
 _PLAIN_DEFAULT = (
     *(ast.Constant, ast.Name, ast.Attribute, ast.Tuple, ast.UnaryOp, ast.BinOp),
     *(ast.operator, ast.unaryop, ast.expr_context),
@@ -40,12 +47,12 @@ def check_rules(tree: ast.Module, names: Names) -> None:
     Raises:
         RejectedCodeError: A rule is broken; the first in the order of the text is said.
     """
-    conversions: set[ast.AST] = set()
+    typed: set[ast.AST] = set()
     for node in _in_order(tree):
-        if isinstance(node, ast.Call) and _converts(node, names):
-            conversions.add(node.func)
-        if isinstance(node, ast.Attribute) and node.attr == "astype" and node not in conversions:
-            raise RejectedCodeError(_EXPECTED_DTYPE, line=node.lineno)
+        if isinstance(node, ast.Call) and (_converts(node, names) or _folds(node)):
+            typed.add(node.func)
+        if isinstance(node, ast.Attribute) and node.attr in _TYPED and node not in typed:
+            raise RejectedCodeError(_TYPED[node.attr], line=node.lineno)
         if rule := _RULES.get(type(node)):
             rule(node, names)
 
@@ -157,9 +164,22 @@ def _check_argument(node: ast.arg, _: Names) -> None:
     _check_binding(node.arg, line=node.lineno)
 
 
+def _check_call(node: ast.Call, names: Names) -> None:
+    if all(keyword.arg for keyword in node.keywords):
+        return
+    # What is unpacked there cannot be seen here, and may say of what type an array is.
+    if not (isinstance(node.func, ast.Name) and node.func.id in names.unpacking):
+        raise RejectedCodeError(
+            "** can only be used in calls of dict and of functions that are defined here",
+            line=node.lineno,
+        )
+
+
 def _check_keyword(node: ast.keyword, names: Names) -> None:
     if node.arg is not None:
         _check_identifier(node.arg, line=node.value.lineno)
+    if node.arg in _TYPE_KEYWORDS:
+        raise RejectedCodeError(f"the argument {node.arg!r} is not allowed", line=node.value.lineno)
     if node.arg == "dtype" and not _is_dtype(node.value, names):
         raise RejectedCodeError(_EXPECTED_DTYPE, line=node.value.lineno)
     if node.arg == "out":
@@ -170,6 +190,14 @@ def _check_function(node: ast.FunctionDef, _: Names) -> None:
     _check_binding(node.name, line=node.lineno)
     if node.decorator_list:
         raise RejectedCodeError("a decorator is not allowed", line=node.decorator_list[0].lineno)
+    own = list(own_nodes(node))
+    bare = [part for part in own if isinstance(part, ast.ExceptHandler) and part.type is None]
+    # It would also run when the generator is thrown away, which may be in another's time.
+    if bare and any(isinstance(part, ast.Yield | ast.YieldFrom) for part in own):
+        raise RejectedCodeError(
+            "an except in a generator must name its exceptions, such as KeyError",
+            line=bare[0].lineno,
+        )
 
 
 def _check_arguments(node: ast.arguments, _: Names) -> None:
@@ -184,11 +212,6 @@ def _check_arguments(node: ast.arguments, _: Names) -> None:
 
 
 def _check_handler(node: ast.ExceptHandler, _: Names) -> None:
-    if node.type is None:
-        raise RejectedCodeError(
-            "an except without exceptions is not allowed; name them, such as KeyError",
-            line=node.lineno,
-        )
     if node.name is not None:
         _check_binding(node.name, line=node.lineno)
 
@@ -217,6 +240,15 @@ def _converts(call: ast.Call, names: Names) -> bool:
             return False
 
 
+def _folds(call: ast.Call) -> bool:
+    """Return whether a call is one of `reduce` or `accumulate`, and says nothing of a type."""
+    match call:
+        case ast.Call(func=ast.Attribute(attr="reduce" | "accumulate"), args=[_] | [_, _] as args):
+            return not any(isinstance(argument, ast.Starred) for argument in args)
+        case _:
+            return False
+
+
 def _is_dtype(node: ast.expr, names: Names) -> bool:
     match node:
         case ast.Constant(value=None):
@@ -238,6 +270,7 @@ _RULES: Mapping[type[ast.AST], Callable[[Any, Names], None]] = {
     ast.Constant: _check_constant,
     ast.FormattedValue: _check_formatted,
     ast.arg: _check_argument,
+    ast.Call: _check_call,
     ast.keyword: _check_keyword,
     ast.FunctionDef: _check_function,
     ast.arguments: _check_arguments,

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from lqd_llm.sandbox.allowlist import BUILTINS, MUTATORS
 from lqd_llm.sandbox.errors import RejectedCodeError
-from lqd_llm.sandbox.names import Names
+from lqd_llm.sandbox.names import Names, own_nodes
 
 _ITERATORS = frozenset({"enumerate", "filter", "map", "reversed", "zip"})
 _CALLED_AT_ONCE = frozenset(BUILTINS) - {"iter", "next"}
@@ -58,7 +58,7 @@ def check_entry(tree: ast.Module, names: Names, *, entry: str) -> None:
     if not takes_one or None in arguments.kw_defaults:
         signature = f"{entry}({ast.unparse(arguments)})"[:_LONGEST_SIGNATURE]
         raise RejectedCodeError(f"{signature} does not take one positional argument", line=line)
-    if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in _own_nodes(found[0])):
+    if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in own_nodes(found[0])):
         raise RejectedCodeError(f"{entry!r} must return its value, not yield it", line=line)
 
 
@@ -118,13 +118,3 @@ def _run_at_once(node: ast.AST) -> Iterator[ast.AST]:
         return
     for child in ast.iter_child_nodes(node):
         yield from _run_at_once(child)
-
-
-def _own_nodes(function: ast.FunctionDef) -> Iterator[ast.AST]:
-    """Yield what belongs to a function itself and not to one that is defined within it."""
-    waiting: list[ast.AST] = list(function.body)
-    while waiting:
-        node = waiting.pop()
-        yield node
-        if not isinstance(node, ast.FunctionDef | ast.Lambda):
-            waiting.extend(ast.iter_child_nodes(node))

@@ -20,8 +20,18 @@ def line(code, *, kind=Role.FITNESS, expected="ok", also_ok=()):
     return CorpusLine("line", kind, "entry", f"def entry(x):\n    {code}\n", expected, also_ok)
 
 
-def test_every_attack_ends_as_expected(layout, mugs):
-    lines = read_corpus(CORPORA / "attacks.jsonl")
+@pytest.mark.parametrize(
+    "name",
+    [
+        "attacks",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("attacks_more", "attacks_tricks")
+        ),
+    ],
+)
+def test_every_attack_ends_as_expected(name, layout, mugs):
+    lines = read_corpus(CORPORA / f"{name}.jsonl")
     differing = [
         (outcome.line.name, outcome.outcome, outcome.detail)
         for outcome in run(lines, layout, mugs)
@@ -87,6 +97,8 @@ def test_outcomes_that_are_as_good_are_as_expected():
         ("nothing", "Expected an object with name, kind"),
         ("[]", "Expected an object with name, kind"),
         (json.dumps({"name": "a", "kind": "other"}), "'other' is not a valid Role"),
+        ("[" * 100_000, "Expected an object with name, kind"),
+        (json.dumps({"name": "a", "kind": "success", "also_ok": 3}), "'entry'"),
         (
             json.dumps(
                 dict.fromkeys(("name", "entry", "code", "expected"), "a") | {"kind": "success"}
@@ -100,6 +112,13 @@ def test_a_corpus_of_another_form_is_refused(text, words, tmp_path):
     file.write_text(text)
     with pytest.raises(SandboxError, match=words):
         read_corpus(file)
+
+
+def test_lines_of_nothing_are_passed_over(tmp_path):
+    told = {"name": "a", "kind": "fitness", "entry": "f", "code": "", "expected": "rejected"}
+    file = tmp_path / "corpus.jsonl"
+    file.write_text(f"\n{json.dumps(told)}\r\n  \n{json.dumps(told | {'also_ok': None})}\n")
+    assert [line.also_ok for line in read_corpus(file)] == [(), ()]
 
 
 def test_a_corpus_that_is_not_there_is_refused(tmp_path):

@@ -23,8 +23,8 @@ from lqd_llm.sandbox.facades import new_namespace
 CORPORA = Path(__file__).parent / "corpora"
 BENIGN = [
     json.loads(line)
-    for name in ("benign", "benign_more")
-    for line in (CORPORA / f"{name}.jsonl").read_text("utf-8").splitlines()
+    for file in sorted(CORPORA.glob("benign*.jsonl"))
+    for line in file.read_text("utf-8").splitlines()
 ]
 FILE = "<functional>"
 
@@ -172,12 +172,15 @@ def facade_of(path):
 ARGUMENTS = {
     "arange": (0, 3), "array": ([1, 2.5],), "asarray": ((True, False),), "empty": (2,),
     "eye": (2,), "full": ((2, 2), 1.5), "full_like": ([1.0], 2.0), "fromiter": ([1], float),
-    "identity": (2,), "ones": (2,), "ones_like": ([1],), "zeros": (2,), "zeros_like": ([1.0],),
+    "identity": (2,), "linspace": (0, 1, 3), "logspace": (0, 2, 3),
+    "ones": (2,), "ones_like": ([1],), "zeros": (2,), "zeros_like": ([1.0],),
 }  # fmt: skip
 OBJECTS = {
     "arange": (0, 3, 1, object), "array": ([1, None],), "asarray": (["now"],), "empty": (2, "O"),
     "eye": (2, 2, 0, object), "full": (2, "now"), "full_like": ([1.0], 2.0, "O"),
-    "fromiter": ([1], object), "identity": (2, object), "ones": (2, "U3"),
+    "fromiter": ([1], object), "identity": (2, object),
+    "linspace": (0, 1, 3, True, True, "M8[s]"), "logspace": (0, 2, 3, True, 10, "O"),
+    "ones": (2, "U3"),
     "ones_like": ([1], "O"), "zeros": (2, "M8[s]"), "zeros_like": ([1.0], "V8"),
 }  # fmt: skip
 
@@ -191,6 +194,13 @@ def test_arrays_hold_numbers_and_nothing_else(name):
     assert (made.dtype, made.tolist()) == (expected.dtype, expected.tolist())
     with pytest.raises(TypeError, match="an array can only hold numbers and truth values"):
         create(*OBJECTS[name])
+
+
+def test_a_line_of_numbers_may_come_with_its_step():
+    numbers, step = facade_of("np").linspace(0, 1, 5, retstep=True)
+
+    assert numbers.tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert step == 0.25
 
 
 def creator_globals():

@@ -155,6 +155,22 @@ def test_a_function_that_uses_too_much_is_dropped(
     )
 
 
+def test_nobody_answers_for_the_memory_that_another_left_behind(function, mugs, layout):
+    leaves_all = (
+        *("kept = []", "try:", "    while True:", "        kept.append([0.0] * 10 ** 5)"),
+        *("except Exception:", "    kept.append(kept)", "return False"),
+    )
+    functions = [
+        function(Role.SUCCESS, *leaves_all, name="leaves all"),
+        function(Role.FITNESS, "return float(len([0.0] * 300_000))", name="needs some"),
+    ]
+    with Sandbox(layout, functions=functions, limits=QUICK) as sandbox:
+        results = sandbox.run(mugs.rows(np.arange(3)).arrays())
+        assert sandbox.dropped == ()
+    assert results.success["leaves all"].tolist() == [False] * 3
+    assert results.fitness["needs some"].tolist() == [3e5] * 3
+
+
 def test_what_a_drop_does_does_not_depend_on_the_batches(function, several, marked, layout):
     stalls = function(Role.TIMESTAMP, f"while {MARKED}:", "    pass", "return infos[0]", name="h")
     with Sandbox(layout, functions=[*several, stalls], limits=QUICK) as sandbox:

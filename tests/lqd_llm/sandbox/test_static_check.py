@@ -26,13 +26,13 @@ REFUSED_ALREADY = {"bidi_comment_trojan", "coding_cookie"}
 """Attacks that may run but are refused."""
 
 
-def lines_of(*names):
-    texts = [(CORPORA / f"{name}.jsonl").read_text("utf-8") for name in names]
+def lines_of(pattern):
+    texts = [file.read_text("utf-8") for file in sorted(CORPORA.glob(pattern))]
     return [json.loads(line) for text in texts for line in text.splitlines()]
 
 
-ATTACKS = lines_of("attacks", "attacks_more")
-BENIGN = lines_of("benign", "benign_more")
+ATTACKS = lines_of("attacks*.jsonl")
+BENIGN = lines_of("benign*.jsonl")
 
 
 def named(cases):
@@ -64,6 +64,22 @@ def test_benign_code_passes(case):
 
     assert checked.entry == case["entry"]
     assert checked.source.count("\n") == case["code"].rstrip("\n").count("\n") + 1
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        function("try:\n        return info['a']\n    except:\n        return 0.0"),
+        "def g(x, **more):\n    return x\ndef fitness(info):\n    return g(**info)\n",
+        function("return len(dict(**info))"),
+        function("return np.add.reduce(info) + np.maximum.accumulate(info, 0)[0]"),
+        function("return np.add.reduce(info, axis=0, dtype=float)"),
+        "def fitness(info):\n    def g():\n        yield 1\n    try:\n        return next(g())\n"
+        "    except:\n        return 0\n",
+    ],
+)
+def test_what_honest_code_does_passes(code):
+    assert check_source(code, entry="fitness").source == code
 
 
 @pytest.mark.parametrize("case", named(ATTACKS))
@@ -105,6 +121,19 @@ def test_attack_is_refused_when_it_should_be(case):
         ("def fitness(a, b): return 0\n", 1, "fitness(a, b) does not take one positional"),
         (function("break"), 2, "it is not valid Python: 'break' outside loop"),
         (function("return np.zeros(1).astype(info)"), 2, "the elements of an array can only be"),
+        (function("return np.add.reduce(info, 0, 'O')"), 2, "reduce takes an array and an axis"),
+        (function("return max(map(np.add.reduce, info))"), 2, "reduce takes an array and an axis"),
+        (function("return np.sum(**info)"), 2, "** can only be used in calls of dict and of"),
+        (function("f = np.sum\n    return f(**info)"), 3, "** can only be used in calls of dict"),
+        (function("return fitness(**{})") + "fitness = 1\n", 2, "** can only be used in calls"),
+        (function("dict = np.sum\n    return dict(**info)"), 3, "** can only be used in calls"),
+        (function("return np.add(1, 2, sig='l')"), 2, "the argument 'sig' is not allowed"),
+        (
+            "def fitness(info):\n    def g():\n        try:\n            yield 1\n"
+            "        except:\n            pass\n",
+            5,
+            "an except in a generator must name its exceptions",
+        ),
     ],
 )
 def test_refusal_says_line_and_reason(code, line, reason):
