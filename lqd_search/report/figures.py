@@ -1,0 +1,140 @@
+"""The tables of a report: what each run was asked to do, and what it came to."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from lqd_search.evaluation.descriptor_report import DescriptorReport
+from lqd_search.report.reported_run import ReportedRun
+from lqd_search.runs.summary import Confusion, Outcomes
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """One line of a table with a column for each run.
+
+    Attributes:
+        name: What stands at its start.
+        cells: A text for each run; empty where it has none.
+    """
+
+    name: str
+    cells: tuple[str, ...]
+
+    @property
+    def shared(self) -> bool:
+        """Whether several runs have one text, which is then enough for all of them."""
+        return len(self.cells) > 1 and len(set(self.cells)) == 1
+
+
+def settings_rows(runs: Sequence[ReportedRun]) -> tuple[TableRow, ...]:
+    """Return what each run was asked to do, and with what."""
+    rows = _merged(_settings(run) for run in runs)
+    return tuple(row for row in rows if any(row.cells))
+
+
+def figure_rows(runs: Sequence[ReportedRun]) -> tuple[TableRow, ...]:
+    """Return what each run came to: the figures of `lqd show`."""
+    return _merged(_figures(run) for run in runs)
+
+
+def notes(run: ReportedRun) -> tuple[str, ...]:
+    """Return sentences about what of a run's functionals was stopped, refused or found alike."""
+    summary = run.summary
+    report = DescriptorReport(
+        same=tuple(map(tuple, summary["same_descriptors"])),
+        degenerate=tuple(summary["degenerate_descriptors"]),
+        undefined=tuple(summary["undefined_descriptors"]),
+    )
+    waiting = ", ".join(summary["waiting_descriptors"])
+    return (
+        *(f"Stopped: {sentence}" for sentence in summary["stopped"]),
+        *(f"Not used: {sentence}" for sentence in summary["dropped"]),
+        *(f"Repaired: {sentence}" for sentence in summary["repaired"]),
+        *(f"To know: {sentence}" for sentence in summary["remarks"]),
+        *(
+            f"Refused values of {row['kind']} {row['functional']}: {row['count']:,} "
+            f"({row['reason']})."
+            for row in summary["refused"]
+        ),
+        *((f"Without a grid, since too few motions defined them: {waiting}.",) if waiting else ()),
+        *(report.sentences() if summary["grids"] or waiting else ()),
+    )
+
+
+def _merged(columns: Iterable[dict[str, str]]) -> tuple[TableRow, ...]:
+    tables = list(columns)
+    names: list[str] = []
+    for table in tables:
+        for before, name in zip([None, *table], table, strict=False):
+            if name not in names:
+                # A line that the runs before lack stands where this run has it.
+                names.insert(names.index(before) + 1 if before else 0, name)
+    return tuple(TableRow(name, tuple(t.get(name, "") for t in tables)) for name in names)
+
+
+def _settings(run: ReportedRun) -> dict[str, str]:
+    config = run.config
+    return {
+        "task": config.task,
+        "instruction": config.instruction,
+        "method": config.method,
+        "seed": str(config.seed),
+        "evaluations": f"{config.evaluations:,}",
+        "batch size": f"{config.batch_size:,}",
+        "failures compete by": config.failure_competition,
+        "functionals": "the expert's" if config.llm == "none" else config.llm,
+        "sample": str(config.sample),
+        "model": config.model,
+        "provenance": config.provenance,
+        "usage": config.usage_in_words,
+        "versions": ", ".join(f"{name} {version}" for name, version in config.versions.items()),
+    }
+
+
+def _figures(run: ReportedRun) -> dict[str, str]:
+    summary = run.summary
+    outcomes = summary["outcomes"]
+    counts = {
+        "evaluations": summary["evaluations"],
+        "rejected": sum(summary["rejected"].values()),
+        **{f"rejected: {cause}": count for cause, count in summary["rejected"].items()},
+        "discarded": sum(summary["discarded"].values()),
+        **{f"discarded: {cause}": count for cause, count in summary["discarded"].items()},
+        "valid": summary["valid"],
+        "distinct elites": summary["archive_size"],
+        "inferred successes among them": summary["inferred_archive_size"],
+        "success archive size (expert)": summary["success_archive_size"],
+        "ground-truth cells": summary["ground_truth_cells"],
+        "successes outside that grid": summary["ground_truth_outside"],
+        "distinct successes of the whole run": outcomes["both"] + outcomes["expert_only"],
+        "their ground-truth cells": outcomes["ground_truth_cells"],
+        "refused values": sum(row["count"] for row in summary["refused"]),
+        "clipped measures": sum(grid["clipped"] for grid in summary["grids"]),
+    }
+    return {
+        **{name: f"{count:,}" for name, count in counts.items()},
+        **_agreement(summary["confusion"], of="valid motions"),
+        **_agreement(outcomes, of="distinct solutions"),
+        **_exploration(run),
+        "seconds": f"{summary['seconds']:,.0f}",
+    }
+
+
+def _agreement(counts: Confusion | Outcomes, *, of: str) -> dict[str, str]:
+    both, inferred, expert = counts["both"], counts["inferred_only"], counts["expert_only"]
+    return {
+        f"inferred condition's precision, {of}": _share(both, both + inferred),
+        f"inferred condition's recall, {of}": _share(both, both + expert),
+    }
+
+
+def _exploration(run: ReportedRun) -> dict[str, str]:
+    chosen = run.summary["chosen_fitness"]
+    return {
+        f"found when exploring {name}": f"{found:,}{' (kept)' if name == chosen else ''}"
+        for name, found in run.summary["exploration"].items()
+    }
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{part / whole:.1%}" if whole else "-"
