@@ -8,7 +8,7 @@ FOLDERS := $(PACKAGES) benchmarks examples tests
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-slow lint format types wheel clean
+.PHONY: help setup demo test test-slow tables-smoke lint format types wheel clean
 
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -29,6 +29,9 @@ test: $(INSTALLED) ## Run the fast tests
 
 test-slow: $(INSTALLED) ## Run the tests that take minutes
 	$(BIN)/python -m pytest -m slow
+
+tables-smoke: $(INSTALLED) ## Run the paper's tables as small as can be (minutes)
+	$(BIN)/python -m benchmarks.tables --scale smoke --out runs/tables-smoke
 
 lint: $(INSTALLED) ## Check style and docstrings
 	$(BIN)/ruff check $(FOLDERS)

@@ -1,0 +1,82 @@
+"""Rebuild the paper's tables: `python -m benchmarks.tables`."""
+
+import sys
+from pathlib import Path
+from shlex import join
+
+import click
+
+from benchmarks.tables.cell_process import run_command
+from benchmarks.tables.cell_store import CellStore
+from benchmarks.tables.command import default_out, names, report, run_missing, seeds
+from benchmarks.tables.machine import usable_cpus
+from benchmarks.tables.report import table_sections
+from benchmarks.tables.study import METHODS, TABLES, TASKS
+from lqd_envs import LQDError
+
+_BAD_INPUT = 2
+
+
+@click.command(name="tables")
+@click.option(
+    "--scale",
+    type=click.Choice(tuple(TABLES)),
+    default="smoke",
+    show_default=True,
+    help="How much to run: "
+    + "; ".join(
+        f"{name}, {study.evaluations:,} evaluations of {len(study.seeds)} "
+        f"{'seed' if len(study.seeds) == 1 else 'seeds'}"
+        for name, study in TABLES.items()
+    )
+    + ".",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of the cells and the tables.  [default: benchmarks/results/tables/<scale>]",
+)
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    help="Cells that are run at the same time, each on one thread.  [default: one for each CPU]",
+)
+@click.option("--methods", callback=names, help=f"Only these of {','.join(METHODS)}.")
+@click.option("--tasks", callback=names, help=f"Only these of {','.join(TASKS)}.")
+@click.option(
+    "--seeds", callback=seeds, help="Only these of the scale's seeds, such as 0,3 or 0-4."
+)
+@click.option("--report", "report_only", is_flag=True, help="Run nothing, write the tables.")
+def main(
+    *,
+    scale: str,
+    out: Path | None,
+    jobs: int | None,
+    methods: list[str] | None,
+    tasks: list[str] | None,
+    seeds: list[int] | None,
+    report_only: bool,
+) -> None:
+    """Run methods on tasks with seeds, and write the paper's tables from what is finished.
+
+    Finished cells are kept in --out and not run again; one that was stopped goes on. Tables,
+    comparisons and pictures are those of all cells that are finished, whichever were asked for.
+    """
+    study = TABLES[scale]
+    store = CellStore(out or default_out("tables", scale), study.evaluations)
+    cells = study.chosen(tasks=tasks, methods=methods, seeds=seeds)
+    status = 0
+    if not report_only:
+        again = join(["python", "-m", "benchmarks.tables", *sys.argv[1:]])
+        command = run_command(evaluations=study.evaluations, batch_size=study.batch_size)
+        status = run_missing(store, cells, command=command, jobs=jobs or usable_cpus(), again=again)
+    report(store, study, sections=table_sections)
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except LQDError as error:
+        click.echo(f"tables: {error}", err=True)
+        sys.exit(_BAD_INPUT)

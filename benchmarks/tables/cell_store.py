@@ -1,0 +1,114 @@
+"""The cells of a benchmark on disk: figures that are kept, and runs that are under way."""
+
+import fcntl
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.tables.cell import Cell
+from benchmarks.tables.cell_figures import CellError, CellFigures
+from lqd_envs.atomic_file import write_atomically
+
+
+@dataclass(frozen=True)
+class CellStore:
+    """The folder of a benchmark.
+
+    `cells/` has a small JSON file for each finished cell, which is all that the tables need;
+    `runs/` has the run folders, which are big and not meant for a repository.
+
+    Attributes:
+        out: The folder.
+        evaluations: Evaluations of each of its cells.
+    """
+
+    out: Path
+    evaluations: int
+
+    def prepare(self) -> None:
+        """Make the folders, in which git does not see the runs."""
+        self._cells.mkdir(parents=True, exist_ok=True)
+        self._runs.mkdir(exist_ok=True)
+        (self._runs / ".gitignore").write_text("*\n")
+
+    def run_folder(self, cell: Cell) -> Path:
+        """Return where the cell's run is, or will be."""
+        return self._runs / cell.name
+
+    def log(self, cell: Cell) -> Path:
+        """Return where what the cell's run prints is written."""
+        return self._runs / f"{cell.name}.log"
+
+    def load(self, cells: Iterable[Cell]) -> dict[Cell, CellFigures]:
+        """Return the figures of those cells that are finished, in their order.
+
+        Raises:
+            CellError: A file is damaged, another cell's, or of another number of evaluations.
+        """
+        return {cell: self._read(cell) for cell in cells if self._path(cell).exists()}
+
+    def keep(self, figures: CellFigures) -> Path:
+        """Write the figures of a finished cell.
+
+        Raises:
+            CellError: They are of another number of evaluations.
+        """
+        path = self._path(figures.cell)
+        self._check(figures, figures.cell, path)
+        write_atomically(path, figures.to_json().encode())
+        return path
+
+    @contextmanager
+    def claim(self, cell: Cell) -> Iterator[int | None]:
+        """Lay hold of a cell's run for the length of a `with` block.
+
+        A process that inherits the number that is handed out holds it too, for as long as it
+        lives: a run whose benchmark was killed is not begun a second time beside the first.
+
+        Args:
+            cell: The cell.
+
+        Yields:
+            The number of an open file; None: another process holds it.
+        """
+        lock = os.open(self._runs / f"{cell.name}.lock", os.O_RDWR | os.O_CREAT)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(lock)
+            yield None
+            return
+        try:
+            yield lock
+        finally:
+            os.close(lock)
+
+    @property
+    def _cells(self) -> Path:
+        return self.out / "cells"
+
+    @property
+    def _runs(self) -> Path:
+        return self.out / "runs"
+
+    def _path(self, cell: Cell) -> Path:
+        return self._cells / f"{cell.name}.json"
+
+    def _read(self, cell: Cell) -> CellFigures:
+        path = self._path(cell)
+        try:
+            figures = CellFigures.from_json(path.read_text())
+        except CellError as error:
+            raise CellError(f"{path}: {error}") from error
+        self._check(figures, cell, path)
+        return figures
+
+    def _check(self, figures: CellFigures, cell: Cell, path: Path) -> None:
+        if figures.cell != cell or figures.evaluations != self.evaluations:
+            raise CellError(
+                f"Expected the cell {cell.name} of {self.evaluations} evaluations in {path}, but "
+                f"got {figures.cell.name} of {figures.evaluations}; give each scale a folder of "
+                "its own with --out."
+            )

@@ -1,0 +1,102 @@
+"""What the commands of the benchmarks share: running what is missing, then the report."""
+
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from benchmarks.tables.campaign import Campaign, Outcome
+from benchmarks.tables.campaign_progress import CampaignProgress
+from benchmarks.tables.cell import Cell
+from benchmarks.tables.cell_process import CellCommand, spent
+from benchmarks.tables.cell_store import CellStore
+from benchmarks.tables.report import Sections, write_report
+from benchmarks.tables.results import Results
+from benchmarks.tables.study import Study
+
+_FAILED = 1
+_INTERRUPTED = 130
+
+
+def names(_: click.Context, __: click.Parameter, value: str | None) -> list[str] | None:
+    """Read names that are separated by commas."""
+    return None if value is None else [name.strip() for name in value.split(",")]
+
+
+def seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int] | None:
+    """Read seeds that are separated by commas, and ranges of them such as 0-4."""
+    if value is None:
+        return None
+    found: list[int] = []
+    for part in value.split(","):
+        first, _dash, last = part.partition("-")
+        if not first.strip().isdigit() or not (last or first).strip().isdigit():
+            raise click.BadParameter(f"expected seeds such as 0,3 or 0-4, but got {value!r}")
+        found += range(int(first), int(last or first) + 1)
+    return found
+
+
+def run_missing(
+    store: CellStore, cells: Sequence[Cell], *, command: CellCommand, jobs: int, again: str
+) -> int:
+    """Run the cells that are not finished, and say what became of them.
+
+    Where it is interrupted it ends the process.
+
+    Args:
+        store: Where the cells are kept.
+        cells: Those that are asked for.
+        command: How to run a cell.
+        jobs: How many at a time.
+        again: The command that goes on.
+
+    Returns:
+        The exit status: 0, or another one where a cell has no result.
+    """
+    finished = store.load(cells)
+    missing = [cell for cell in cells if cell not in finished]
+    # Who ends this process politely ends those that it started.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    progress = CampaignProgress(
+        finished=len(finished),
+        total=len(cells),
+        evaluations=store.evaluations,
+        begun=sum(spent(store.run_folder(cell)) for cell in missing),
+    )
+    campaign = Campaign(store, command=command, jobs=jobs)
+    try:
+        with progress:
+            outcome = campaign.run(missing, on_work=progress.show_work, on_cell=progress.show_cell)
+    except KeyboardInterrupt:
+        click.echo(
+            f"stopped; {progress.finished} of {len(cells)} cells are finished, and those under "
+            f"way go on where they were: go on with `{again}`",
+            err=True,
+        )
+        sys.exit(_INTERRUPTED)
+    return _say(outcome, again=again)
+
+
+def report(store: CellStore, study: Study, *, sections: Sections) -> None:
+    """Write the report of the finished cells, and say where."""
+    results = Results(study, store.load(study.cells))
+    for path in write_report(store.out, results, sections=sections)[:2]:
+        click.echo(str(path))
+
+
+def default_out(study: str, scale: str) -> Path:
+    """Return where a benchmark's results are, if nothing else is said."""
+    return Path("benchmarks") / "results" / study / scale
+
+
+def _say(outcome: Outcome, *, again: str) -> int:
+    for cell in outcome.elsewhere:
+        click.echo(f"note: another process is running {cell.name}; it is left to it", err=True)
+    for cell, why in outcome.failed.items():
+        click.echo(f"{cell.name} has no result: {why}", err=True)
+    if outcome.failed:
+        click.echo(f"try again with `{again}`", err=True)
+        return _FAILED
+    return 0

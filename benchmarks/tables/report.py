@@ -1,0 +1,91 @@
+"""The report of a benchmark: Markdown, CSV and pictures, from its finished cells alone."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from benchmarks.tables.box_picture import draw_boxes
+from benchmarks.tables.comparison_table import comparison_section
+from benchmarks.tables.curve_picture import draw_curves
+from benchmarks.tables.figure_files import figure_files
+from benchmarks.tables.long_form import long_form
+from benchmarks.tables.paper_figures import PaperFigures
+from benchmarks.tables.results import Results
+from benchmarks.tables.task_tables import condition_table, final_archive_table, outcome_table
+from lqd_envs.atomic_file import write_atomically
+
+Sections = Callable[[Results], Mapping[str, str]]
+"""Returns the sections of a report, by heading."""
+
+
+def write_report(out: Path, results: Results, *, sections: Sections) -> list[Path]:
+    """Write `tables.md`, `tables.csv` and the pictures.
+
+    Args:
+        out: The folder.
+        results: The finished cells.
+        sections: What stands in `tables.md` after its head.
+
+    Returns:
+        The files.
+    """
+    pictures = _pictures(results)
+    parts = [f"# {results.study.title}, scale `{results.study.scale}`", describe(results)]
+    for heading, text in sections(results).items():
+        parts += [f"## {heading}", text]
+    if pictures:
+        names = [name for name in pictures if name.endswith(".png")]
+        parts += ["## Pictures", "\n\n".join(f"![{n}](pictures/{n})" for n in names)]
+    files = {
+        out / "tables.md": ("\n\n".join(parts) + "\n").encode(),
+        out / "tables.csv": long_form(results).encode(),
+        **{out / "pictures" / name: content for name, content in pictures.items()},
+    }
+    (out / "pictures").mkdir(parents=True, exist_ok=True)
+    for path, content in files.items():
+        write_atomically(path, content)
+    return list(files)
+
+
+def table_sections(results: Results) -> Mapping[str, str]:
+    """Return the sections of the paper's tables."""
+    paper = PaperFigures.load()
+    sections = {}
+    for task in results.study.tasks:
+        sections[f"{task.capitalize()}: the final archive"] = final_archive_table(
+            results, task, paper=paper
+        )
+        sections[f"{task.capitalize()}: the outcome archive"] = outcome_table(results, task)
+    return {
+        **sections,
+        "The inferred success condition": condition_table(results),
+        "Comparisons": comparison_section(results),
+    }
+
+
+def describe(results: Results) -> str:
+    """Return what was run, on what, and how long it took."""
+    study, cells = results.study, list(results.cells.values())
+    seeds = ", ".join(map(str, study.seeds))
+    sentences = [
+        f"{len(cells)} of {len(study.cells)} cells are finished, of {study.evaluations:,} "
+        f"evaluations each; seeds {seeds}, seed k with recording k mod 5."
+    ]
+    if cells:
+        hours = sum(cell.seconds for cell in cells) / 3600
+        versions = ["; ".join(f"{k} {v}" for k, v in cell.versions.items()) for cell in cells]
+        sentences += [
+            f"Together they took {hours:.1f} hours, each on one thread.",
+            f"Machine: {' / '.join(dict.fromkeys(cell.machine for cell in cells))}.",
+            f"Versions: {' / '.join(dict.fromkeys(versions))}.",
+            *dict.fromkeys(f"Model: {cell.model}. {cell.provenance}" for cell in cells),
+        ]
+    return "\n\n".join(sentences)
+
+
+def _pictures(results: Results) -> dict[str, bytes]:
+    pictures: dict[str, bytes] = {}
+    for task in results.study.tasks:
+        if any(results.group(task, method) for method in results.study.methods):
+            pictures.update(figure_files(f"curves.{task}", draw_curves(results, task)))
+            pictures.update(figure_files(f"boxes.{task}", draw_boxes(results, task)))
+    return pictures

@@ -1,0 +1,97 @@
+"""Reading a finished run folder as the figures of a cell."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.tables.cell import Cell
+from benchmarks.tables.cell_figures import CellError, CellFigures, Curve, Verdicts
+from lqd_search.runs.run_folder import RunFolder
+from lqd_search.runs.stored_archive import StoredArchive
+
+
+def read_run(folder: Path, *, cell: Cell, steering: str, machine: str) -> CellFigures:
+    """Return the figures of a finished run.
+
+    Args:
+        folder: The run's folder.
+        cell: Which cell it is said to be.
+        steering: What steered it, a value of `STEERING`.
+        machine: What it ran on.
+
+    Raises:
+        LQDError: The run is not finished, damaged, or another one than the cell says.
+    """
+    run = RunFolder.open(folder)
+    summary = run.summary()
+    found = (summary["task"], summary["method"], summary["seed"], summary["sample"])
+    if found != (cell.task_id, cell.method, cell.seed, cell.sample):
+        raise CellError(
+            f"Expected the run of the cell {cell.name} in {folder}, but it is of "
+            f"{', '.join(map(str, found))}; move it away, and the cell is run again."
+        )
+    outcomes = summary["outcomes"]
+    return CellFigures(
+        task=cell.task,
+        method=cell.method,
+        seed=cell.seed,
+        sample=cell.sample,
+        evaluations=summary["evaluations"],
+        batch_size=summary["batch_size"],
+        steering=steering,
+        valid=summary["valid"],
+        rejected=sum(summary["rejected"].values()),
+        discarded=sum(summary["discarded"].values()),
+        inferred_successes=summary["inferred_successes"],
+        expert_successes=summary["expert_successes"],
+        motions=Verdicts(**summary["confusion"]),
+        elites=_verdicts(run.archive()),
+        archive_size=summary["archive_size"],
+        success_archive_size=summary["success_archive_size"],
+        ground_truth_cells=summary["ground_truth_cells"],
+        ground_truth_outside=summary["ground_truth_outside"],
+        outcomes=outcomes["both"] + outcomes["expert_only"],
+        outcome_cells=outcomes["ground_truth_cells"],
+        outcomes_outside=outcomes["ground_truth_outside"],
+        chosen_fitness=summary["chosen_fitness"],
+        curve=read_curve(run.metrics.path),
+        seconds=summary["seconds"],
+        model=summary["model"],
+        provenance=summary["provenance"],
+        machine=machine,
+        versions=summary["versions"],
+    )
+
+
+def read_curve(path: Path) -> Curve:
+    """Return the curve that stands in a `metrics.csv`.
+
+    Raises:
+        CellError: It is missing, or is not one.
+    """
+    try:
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        return Curve(
+            **{name: tuple(int(row[name]) for row in rows) for name in Curve.__annotations__}
+        )
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise CellError(
+            f"Expected a row for each generation in {path}, but it cannot be read ({error}); "
+            "delete the run, and the cell is run again."
+        ) from error
+
+
+def _verdicts(archive: StoredArchive) -> Verdicts:
+    inferred, expert = archive.fields["success"], archive.fields["expert"]
+
+    def count(which: np.ndarray) -> int:
+        return int(which.sum())
+
+    return Verdicts(
+        both=count(inferred & expert),
+        inferred_only=count(inferred & ~expert),
+        expert_only=count(~inferred & expert),
+        neither=count(~inferred & ~expert),
+    )

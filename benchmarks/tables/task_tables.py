@@ -1,0 +1,104 @@
+"""The tables of a task's figures, and of what the inferred success condition is worth."""
+
+from benchmarks.tables.markdown import markdown_table
+from benchmarks.tables.measures import (
+    CELLS,
+    ELITE_PRECISION,
+    ELITE_RECALL,
+    OUTCOME_CELLS,
+    OUTCOMES,
+    PRECISION,
+    RECALL,
+    SIZE,
+    Measure,
+)
+from benchmarks.tables.paper_figures import PaperFigures
+from benchmarks.tables.results import Results
+from benchmarks.tables.spread import NOTHING
+
+_JUDGED_ONLY = (
+    "Over all valid motions of a run, and over the distinct elites of its final archive. `random` "
+    "and `ga` are not steered by the condition: it only judges what they come by."
+)
+
+
+def final_archive_table(results: Results, task: str, *, paper: PaperFigures) -> str:
+    """Return the figures of the final archives, the paper's own beside them."""
+    head = ["method", "seeds"]
+    for measure in (SIZE, CELLS):
+        head += [f"{measure.title}, mean ± std", "the paper's", "median [IQR]"]
+    rows = []
+    for method in results.study.methods:
+        row = [method, _seeds(results, task, method)]
+        for measure in (SIZE, CELLS):
+            mean, median = _texts(results, task, method, measure, digits=1)
+            row += [mean, paper.text(task, method, measure.name), median]
+        rows.append(row)
+    table = markdown_table(head, rows, words=1)
+    remarks = [
+        f"{remark.text} ({remark.source}.)" for remark in paper.remarks if remark.task == task
+    ]
+    return "\n\n".join([table, *remarks])
+
+
+def outcome_table(results: Results, task: str) -> str:
+    """Return the figures of the outcome archives: every distinct success of the whole run."""
+    return _plain_table(results, task, (OUTCOMES, OUTCOME_CELLS))
+
+
+def variant_table(results: Results, task: str) -> str:
+    """Return the figures of the final archives alone, for what the paper has no figures of."""
+    return _plain_table(results, task, (SIZE, CELLS))
+
+
+def condition_table(results: Results) -> str:
+    """Return precision and recall of the inferred success condition, judged by the expert's."""
+    measures = (PRECISION, RECALL, ELITE_PRECISION, ELITE_RECALL)
+    head = ["task", "method", "runs"]
+    for measure in measures:
+        head += [f"{measure.title}, mean ± std", "median [IQR]"]
+    rows = []
+    for task in results.study.tasks:
+        for method in results.study.methods:
+            cells = [cell for cell in results.group(task, method) if cell.inferred]
+            if cells:
+                texts = [_texts(results, task, method, m, digits=3) for m in measures]
+                row = [task, method, str(len(cells)), *(text for pair in texts for text in pair)]
+                rows.append(row)
+    return f"{_JUDGED_ONLY}\n\n{markdown_table(head, rows, words=2)}"
+
+
+def _plain_table(results: Results, task: str, measures: tuple[Measure, ...]) -> str:
+    head = ["method", "seeds"]
+    for measure in measures:
+        head += [f"{measure.title}, mean ± std", "median [IQR]"]
+    rows = [
+        [
+            method,
+            _seeds(results, task, method),
+            *(
+                text
+                for measure in measures
+                for text in _texts(results, task, method, measure, digits=1)
+            ),
+        ]
+        for method in results.study.methods
+    ]
+    return markdown_table(head, rows, words=1)
+
+
+def _texts(
+    results: Results, task: str, method: str, measure: Measure, *, digits: int
+) -> tuple[str, str]:
+    spread = results.spread(task, method, measure)
+    if spread is None:
+        return NOTHING, NOTHING
+    cells = len(results.group(task, method))
+    # Of a run in which nothing was approved, precision or recall is not defined.
+    defined = "" if spread.n == cells else f" ({spread.n} of {cells})"
+    return spread.mean_text(digits) + defined, spread.median_text(digits)
+
+
+def _seeds(results: Results, task: str, method: str) -> str:
+    finished, declared = len(results.group(task, method)), len(results.study.seeds)
+    return str(finished) if finished == declared else f"{finished} of {declared}"

@@ -1,0 +1,81 @@
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from benchmarks.tables.cell import Cell
+from benchmarks.tables.cell_figures import CellError
+from benchmarks.tables.cell_store import CellStore
+
+CELL = Cell.of("faucet", "ours", 3)
+
+
+@pytest.fixture
+def store(tmp_path) -> CellStore:
+    store = CellStore(tmp_path / "out", 320)
+    store.prepare()
+    return store
+
+
+def test_what_is_kept_is_there_again(store, make_figures):
+    assert store.load([CELL]) == {}
+
+    path = store.keep(make_figures(CELL))
+
+    assert path == store.out / "cells" / "faucet.ours.seed-3.sample-3.json"
+    assert store.load([Cell.of("faucet", "ours", 4), CELL]) == {CELL: make_figures(CELL)}
+
+
+def test_the_runs_are_not_for_a_repository(store):
+    assert (store.out / "runs" / ".gitignore").read_text() == "*\n"
+    store.prepare()
+
+
+def test_a_folder_has_the_cells_of_one_scale(store, make_figures):
+    with pytest.raises(CellError, match=r"Expected the cell .* of 320 .*, but got .* of 640; give"):
+        store.keep(make_figures(CELL, evaluations=640))
+
+    store.keep(make_figures(CELL))
+    with pytest.raises(CellError, match=r"of 640 evaluations in .*, but got .* of 320; give"):
+        replace(store, evaluations=640).load([CELL])
+
+
+def test_a_file_in_the_place_of_another_cell_is_refused(store, make_figures):
+    path = store.keep(make_figures(CELL))
+    path.rename(path.with_name("faucet.ours.seed-4.sample-4.json"))
+
+    with pytest.raises(CellError, match=r"Expected the cell faucet\.ours\.seed-4.*seed-3"):
+        store.load([Cell.of("faucet", "ours", 4)])
+
+
+def test_a_damaged_file_is_named(store, make_figures):
+    path = store.keep(make_figures(CELL))
+    path.write_text("{}")
+
+    with pytest.raises(CellError, match=r"seed-3\.sample-3\.json: Expected the figures of a cell"):
+        store.load([CELL])
+
+
+def test_a_cell_is_held_by_one_at_a_time(store):
+    with store.claim(CELL) as lock:
+        assert lock is not None
+        with store.claim(CELL) as other:
+            assert other is None
+        with store.claim(Cell.of("faucet", "ours", 4)) as another:
+            assert another is not None
+    with store.claim(CELL) as lock:
+        assert lock is not None
+
+
+def test_a_process_that_outlives_its_parent_still_holds_its_cell(store):
+    with store.claim(CELL) as lock:
+        child = subprocess.Popen(
+            [sys.executable, "-S", "-c", "input()"], stdin=subprocess.PIPE, pass_fds=(lock,)
+        )
+    with child:
+        with store.claim(CELL) as other:
+            assert other is None
+        child.communicate(b"\n")
+    with store.claim(CELL) as lock:
+        assert lock is not None

@@ -1,0 +1,178 @@
+"""The report of made-up cells."""
+
+import csv
+import io
+import json
+
+import pytest
+
+from benchmarks.tables.box_picture import draw_boxes
+from benchmarks.tables.cell import Cell
+from benchmarks.tables.curve_picture import draw_curves
+from benchmarks.tables.figure_files import figure_files
+from benchmarks.tables.long_form import long_form
+from benchmarks.tables.measures import SIZE
+from benchmarks.tables.paper_figures import PaperError, PaperFigures
+from benchmarks.tables.report import table_sections, write_report
+from benchmarks.tables.results import Results
+
+SIZES = {"ours": (10, 12, 20), "handcrafted": (4, 7, 9)}
+
+
+@pytest.fixture(scope="module")
+def results(study, make_figures) -> Results:
+    """Return results in which one cell of the drawer is missing."""
+    cells = {
+        cell: make_figures(cell, success_archive_size=SIZES[cell.method][cell.seed])
+        for cell in study.cells
+        if cell != Cell.of("drawer", "handcrafted", 2)
+    }
+    return Results(study, cells)
+
+
+@pytest.fixture(scope="module")
+def files(results, tmp_path_factory):
+    """Return the files of the report."""
+    return write_report(tmp_path_factory.mktemp("report"), results, sections=table_sections)
+
+
+@pytest.fixture(scope="module")
+def tables(files) -> str:
+    return files[0].read_text()
+
+
+def section(tables, heading):
+    return tables.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+
+
+def test_the_report_has_tables_and_pictures(files):
+    assert [path.name for path in files[:2]] == ["tables.md", "tables.csv"]
+    pictures = files[0].parent / "pictures"
+    names = sorted(path.name for path in pictures.iterdir())
+    assert names == sorted(
+        f"{kind}.{task}.{ending}"
+        for kind in ("curves", "boxes")
+        for task in ("faucet", "drawer")
+        for ending in ("png", "svg")
+    )
+    for path in pictures.iterdir():
+        start = path.read_bytes()[:8]
+        assert (
+            start == b"\x89PNG\r\n\x1a\n" if path.suffix == ".png" else start.startswith(b"<?xml")
+        )
+
+
+def test_the_same_cells_give_the_same_bytes(files, results):
+    again = figure_files("curves.faucet", draw_curves(results, "faucet"))
+
+    before = {path.name: path.read_bytes() for path in files}
+    assert set(again) == {"curves.faucet.png", "curves.faucet.svg"}
+    assert {name: before[name] for name in again} == again
+    assert before["tables.csv"].decode() == long_form(results)
+
+
+def test_means_medians_and_the_papers_figures_stand_side_by_side(tables):
+    table = section(tables, "Faucet: the final archive")
+
+    assert (
+        "| ours | 3 | 14.0 ± 5.3 | not at hand | 12.0 [11.0, 16.0] "
+        "| 5.0 ± 0.0 | not at hand | 5.0 [5.0, 5.0] |"
+    ) in table
+    assert "Three of the paper's methods fill exactly 85" in table
+    assert "85" not in section(tables, "Drawer: the final archive")
+
+
+def test_what_is_not_finished_is_said(tables):
+    assert "11 of 12 cells are finished" in tables
+    assert "| handcrafted | 2 of 3 | 5.5 ± 2.1 |" in section(tables, "Drawer: the final archive")
+    assert "2 of the 4 declared comparisons are complete" in tables
+    assert "| drawer | success archive size | ours : handcrafted | - | - | - |" in tables
+
+
+def test_the_comparisons_are_those_that_were_declared(tables):
+    # 3 against 3 that do not overlap: 2 of 20 deals, times 4 declared comparisons.
+    assert "ours : handcrafted | 1.00 [1.00, 1.00] | 0.100 | 0.400 |" in tables
+    assert "the smallest adjusted one 0.400: at this scale no comparison can be" in tables
+
+
+def test_precision_and_recall_leave_out_what_the_expert_steers(tables):
+    table = section(tables, "The inferred success condition")
+
+    assert "| faucet | ours | 3 | 0.750 ± 0.000 | 0.750 [0.750, 0.750] | 0.562 ± 0.000" in table
+    assert "handcrafted" not in table
+
+
+def test_machine_versions_model_and_duration_are_named(tables):
+    assert "Together they took 5.5 hours, each on one thread." in tables
+    assert "Machine: a machine." in tables
+    assert "Versions: python 3.11.0; numpy 2.0." in tables
+    assert "Model: a model. Made up for a test." in tables
+
+
+def test_the_long_form_has_a_row_for_each_cell_and_measure(files):
+    rows = list(csv.DictReader(io.StringIO(files[1].read_text())))
+
+    def values(method, measure):
+        chosen = [r for r in rows if (r["method"], r["measure"]) == (method, measure)]
+        return [r["value"] for r in chosen if r["task"] == "faucet"]
+
+    assert values("ours", "success_archive_size") == ["10", "12", "20"]
+    assert values("ours", "precision") == ["0.75"] * 3
+    assert values("handcrafted", "precision") == [""] * 3
+    assert {(r["seed"], r["sample"], r["evaluations"], r["scale"]) for r in rows} == {
+        (str(seed), str(seed), "320", "smoke") for seed in range(3)
+    }
+
+
+def test_nothing_finished_is_a_report_too(study, tmp_path):
+    files = write_report(tmp_path, Results(study, {}), sections=table_sections)
+
+    assert len(files) == 2
+    assert "0 of 12 cells are finished" in files[0].read_text()
+
+
+def test_curves_are_medians_with_a_band_to_the_quartiles(results):
+    axes = draw_curves(results, "faucet").axes[0]
+
+    (ours, handcrafted) = axes.get_lines()
+    assert ours.get_label() == "ours (3)"
+    assert ours.get_xydata().tolist() == [[160.0, 2.0], [320.0, 6.0]]
+    assert len(axes.collections) == 2
+    assert handcrafted.get_label() == "handcrafted (3)"
+
+
+def test_boxes_show_every_seed(results):
+    axes = draw_boxes(results, "faucet").axes[0]
+
+    assert axes.get_title() == f"final archive: {SIZE.title}"
+    points = [line.get_ydata().tolist() for line in axes.get_lines() if line.get_marker() == "."]
+    assert points == [[10, 12, 20], [4, 7, 9]]
+
+
+def test_a_figure_of_the_paper_stands_beside_ours(tmp_path):
+    figure = {
+        "task": "push", "method": "ga", "measure": "ground_truth_cells",
+        "mean": 41.5, "std": 3.0, "source": "a table",
+    }  # fmt: skip
+    path = tmp_path / "figures.json"
+    path.write_text(json.dumps({"figures": [figure], "remarks": []}))
+
+    paper = PaperFigures.load(path)
+
+    assert paper.text("push", "ga", "ground_truth_cells") == "41.5 ± 3"
+    assert paper.text("push", "ours", "ground_truth_cells") == "not at hand"
+
+
+def test_a_figure_without_a_source_is_refused(tmp_path):
+    path = tmp_path / "figures.json"
+    path.write_text('{"figures": [], "remarks": [{"task": "a", "measure": "b", "text": "c"}]}')
+
+    with pytest.raises(PaperError, match=r"Expected the key 'remarks\[0\]\.source'"):
+        PaperFigures.load(path)
+
+
+def test_no_figure_is_claimed_to_be_the_papers_without_a_source():
+    paper = PaperFigures.load()
+
+    assert paper.figures == ()
+    assert all(remark.source for remark in paper.remarks)
