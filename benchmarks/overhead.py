@@ -10,8 +10,11 @@ from typing import TypeVar
 import click
 import numpy as np
 
-from lqd_search.cli.recorded import RecordedEvaluator
+from benchmarks.recorded_recipe import recorded_functionals, recorded_recipe
+from lqd_envs import get_task
+from lqd_search.cli.llm_options import REPLAY
 from lqd_search.cli.run import default_batch_size
+from lqd_search.cli.run_functionals import RunFunctionals
 from lqd_search.cli.unfinished_run import begin_run, new_method
 from lqd_search.loop import Generation
 from lqd_search.runs.run_recorder import RunRecorder
@@ -50,20 +53,23 @@ def measure(task_id: str, *, evaluations: int, seed: int, threads: int) -> Clock
         seed: Seed of the search.
         threads: Threads to simulate on; 0: one for each CPU.
     """
-    clock = Clock()
-    with tempfile.TemporaryDirectory() as parent:
+    clock, task = Clock(), get_task(task_id)
+    recipe = recorded_recipe(task, method="ours", sample=0, threads=threads)
+    with tempfile.TemporaryDirectory() as parent, recipe.opened() as evaluate:
         folder = begin_run(
             Path(parent) / "run",
-            task_id=task_id,
+            task=task,
+            functionals=RunFunctionals(
+                REPLAY, task.instruction, recorded_functionals(task, sample=0)
+            ),
             method="ours",
             evaluations=evaluations,
             batch_size=default_batch_size(evaluations),
             seed=seed,
             sample=0,
             failure_competition="fitness",
-            threads=threads,
+            allow_weak=False,
         )
-        evaluate = RecordedEvaluator(task_id, "ours", 0, threads)()
         state = RunState(new_method(folder.config(), evaluate))
         method = state.method
         recorder = RunRecorder(
@@ -72,6 +78,7 @@ def measure(task_id: str, *, evaluations: int, seed: int, threads: int) -> Clock
             state=state,
             on_generation=lambda _: None,
             on_refusal=lambda *_: None,
+            on_stopped=lambda _: None,
         )
         while not method.done:
             stage, evaluation = method.stage, method.evaluations

@@ -10,9 +10,9 @@ from pathlib import Path
 import click
 import numpy as np
 
+from benchmarks.recorded_recipe import recorded_recipe
 from lqd_envs import get_task
 from lqd_envs.atomic_file import write_atomically
-from lqd_search.cli.recorded import RecordedEvaluator
 from lqd_search.loop import search
 from lqd_search.methods.by_name import Setting, ours_with
 from lqd_search.methods.plus_switches import Switch
@@ -60,18 +60,19 @@ def run_cell(
 ) -> Cell:
     """Run `ours` with some switches on, and judge its archive."""
     task = get_task(f"LQD/{task_name.capitalize()}-v0")
-    evaluate = RecordedEvaluator(task.id, "ours_plus", sample=seed % _SAMPLES, threads=1)()
-    setting = Setting(
-        task=task,
-        judge=evaluate.judge,
-        evaluations=evaluations,
-        batch_size=batch_size,
-        rng=np.random.default_rng(seed),
-    )
-    method = ours_with(setting, switches=switches)
+    recipe = recorded_recipe(task, method="ours_plus", sample=seed % _SAMPLES, threads=1)
     valid: list[int] = []
     began = time.monotonic()
-    search(method, evaluate, observe=lambda told: valid.append(int(told.values.valid.sum())))
+    with recipe.opened() as evaluate:
+        setting = Setting(
+            task=task,
+            judge=evaluate.judge,
+            evaluations=evaluations,
+            batch_size=batch_size,
+            rng=np.random.default_rng(seed),
+        )
+        method = ours_with(setting, switches=switches)
+        search(method, evaluate, observe=lambda told: valid.append(int(told.values.valid.sum())))
     archive = SuccessArchive.of(method.output(), ground_truth=task.ground_truth)
     return Cell(
         task=task_name,

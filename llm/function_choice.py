@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from lqd_llm.check import Candidate
 from lqd_llm.errors import FunctionError, InferenceError
 from lqd_llm.functions import DIRECT_ENTRIES, ENTRIES, InferredFunction
 from lqd_llm.prompts import COUNTS
@@ -25,6 +26,14 @@ class FunctionChoice:
 
     functions: tuple[InferredFunction, ...]
     dropped: tuple[str, ...]
+
+
+def candidates_of(reply: Reply, *, kind: str) -> list[Candidate]:
+    """Return the functions of a reply that are chosen if all of them can be used, in order."""
+    if kind == "direct":
+        named = [source for source in reply.functions if source.name in DIRECT_ENTRIES]
+        return [Candidate(source, kind, source.name) for source in named]
+    return [Candidate(source, kind, ENTRIES[kind]) for source in reply.functions[: COUNTS[kind]]]
 
 
 def choose_functions(reply: Reply, *, kind: str, make: MakeFunction) -> FunctionChoice:

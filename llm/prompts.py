@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+from collections.abc import Mapping
 from importlib import resources
 
 from lqd_envs.perception import PerceptionSchema
@@ -13,7 +14,7 @@ KINDS = ("success", "fitness", "timestamps", "quantities", "direct")
 COUNTS = {"success": 1, "fitness": 3, "timestamps": 4, "quantities": 4, "direct": 3}
 """How many functions each kind asks for."""
 
-_PLACEHOLDER = re.compile(r"\{(INSTRUCTION|COUNT|PERCEPTION)\}")
+_PLACEHOLDER = re.compile(r"\{([A-Z]+)\}")
 
 
 def render_system(schema: PerceptionSchema) -> str:
@@ -22,7 +23,7 @@ def render_system(schema: PerceptionSchema) -> str:
     Args:
         schema: The task's perception schema; its text tells the model what it may read.
     """
-    return _fill("system", {"PERCEPTION": schema.text()})
+    return fill_template("system", {"PERCEPTION": schema.text()})
 
 
 def render_prompt(kind: str, *, instruction: str) -> str:
@@ -39,7 +40,7 @@ def render_prompt(kind: str, *, instruction: str) -> str:
         raise PromptError(
             f"Expected a kind of prompt, got {kind!r}; pass one of {', '.join(KINDS)}."
         )
-    return _fill(kind, {"INSTRUCTION": instruction, "COUNT": str(COUNTS[kind])})
+    return fill_template(kind, {"INSTRUCTION": instruction, "COUNT": str(COUNTS[kind])})
 
 
 def prompt_hash(system: str, prompt: str) -> str:
@@ -47,7 +48,13 @@ def prompt_hash(system: str, prompt: str) -> str:
     return hashlib.sha256(f"{system}\0{prompt}".encode()).hexdigest()
 
 
-def _fill(name: str, values: dict[str, str]) -> str:
+def fill_template(name: str, values: Mapping[str, str]) -> str:
+    """Return one of the texts in `prompts/` with its placeholders filled.
+
+    Args:
+        name: Name of the file, without `.md`.
+        values: What to put in place of `{KEY}`, by key; what is not named stays as it is.
+    """
     template = resources.files("lqd_llm").joinpath("prompts", f"{name}.md").read_text("utf-8")
     # One pass: a placeholder inside a value must reach the model as it is.
-    return _PLACEHOLDER.sub(lambda match: values[match[1]], template.strip())
+    return _PLACEHOLDER.sub(lambda match: values.get(match[1], match[0]), template.strip())

@@ -68,6 +68,11 @@ class _RecordingForm(BaseModel):
     replies: dict[str, _ExchangeForm]
 
 
+def available_tasks() -> tuple[str, ...]:
+    """Return the short names of the tasks of which samples ship with the package, in order."""
+    return tuple(_samples(_folder(None)))
+
+
 def available_samples(task_name: str, *, directory: Path | None = None) -> tuple[int, ...]:
     """Return the numbers of a task's recorded samples, in order; none for an unknown task.
 

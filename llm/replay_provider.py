@@ -1,22 +1,17 @@
 """Answering with recordings: no network, no key, the same answer every time."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import resources
-from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from lqd_llm.answer import Answer
 from lqd_llm.errors import MissingRecordingError
 from lqd_llm.exchange_folder import ExchangeFolder
 from lqd_llm.model_options import ModelOptions
-from lqd_llm.recordings import load_recording
+from lqd_llm.recordings import available_samples, available_tasks, load_recording
 from lqd_llm.request import Request, Turn
 from lqd_llm.request_difference import compare
-
-_SAMPLE_FILE = re.compile(r"(?P<task>.+)-(?P<sample>0|[1-9][0-9]*)\.json")
 
 
 @dataclass(frozen=True)
@@ -80,10 +75,9 @@ class ReplayProvider:
 
 
 def _shipped_recordings() -> Iterator[_Recorded]:
-    folder: Traversable = resources.files("lqd_llm").joinpath("recordings")
-    names = sorted(file.name for file in folder.iterdir())
-    for match in filter(None, map(_SAMPLE_FILE.fullmatch, names)):
-        recording = load_recording(match["task"], sample=int(match["sample"]))
+    numbered = ((task, sample) for task in available_tasks() for sample in available_samples(task))
+    for task, sample in numbered:
+        recording = load_recording(task, sample=sample)
         for kind, exchange in recording.exchanges.items():
             request = Request(
                 subject=kind,
@@ -99,4 +93,4 @@ def _shipped_recordings() -> Iterator[_Recorded]:
                 "stop_reason": "end_turn",
             }
             answer = Answer(body=body, provenance=recording.provenance)
-            yield _Recorded(match[0], request, answer, any_model=True)
+            yield _Recorded(f"{task}-{sample}.json", request, answer, any_model=True)

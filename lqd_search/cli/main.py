@@ -6,23 +6,19 @@ from collections.abc import Sequence
 import click
 
 from lqd_envs import LQDError
-from lqd_search.cli.replay import replay_command
-from lqd_search.cli.run import run_command
-from lqd_search.cli.show import show_command
+from lqd_search.cli.commands import Commands
 
 _BAD_INPUT = 2
 _INTERRUPTED = 130
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.group(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package_name="lqd-envs")
 def lqd() -> None:
     """Language-driven quality-diversity: from one sentence to many motions that do it."""
-
-
-lqd.add_command(run_command)
-lqd.add_command(show_command)
-lqd.add_command(replay_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -14,7 +14,7 @@ from rich.progress import (
 )
 from rich.table import Column
 
-from lqd_search.evaluation.values import Refusal
+from lqd_search.evaluation.values import Refusal, StoppedFunction
 from lqd_search.runs.metrics import Metrics
 
 _BAR_WIDTH = 24
@@ -80,6 +80,10 @@ class RunProgress:
             highlight=False,
             markup=False,
         )
+
+    def warn_stopped(self, stopped: StoppedFunction) -> None:
+        """Say that a functional was stopped."""
+        self._progress.console.print(f"note: {stopped}", highlight=False, markup=False)
 
 
 def _coverage(metrics: Metrics) -> str:

@@ -16,7 +16,7 @@ from lqd_search.runs.run_folder import RunFolder
 _DIFFERENT = 1
 
 
-@click.command("replay", short_help="Carry out a motion of a run again.")
+@click.command("replay")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--index", type=click.IntRange(min=0), help="Which elite, by its row in the archive.")
 @click.option(

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 
-@click.command("report", short_help="Write an HTML report of runs.")
+@click.command("report")
 @click.argument(
     "folders", metavar="DIR...", nargs=-1, required=True, type=click.Path(path_type=Path)
 )

@@ -3,14 +3,20 @@
 import sys
 from pathlib import Path
 from shlex import quote
+from typing import TYPE_CHECKING
 
 import click
 
 from lqd_envs import LQDError, get_task
+from lqd_search.cli.llm_options import LLMOptions, llm_options
+from lqd_search.cli.run_functionals import FunctionalsSource
 from lqd_search.cli.table import print_summary
-from lqd_search.cli.unfinished_run import begin_run, go_on
+from lqd_search.cli.unfinished_run import begin_run, cluster_at, go_on
 from lqd_search.methods.by_name import FAILURE_COMPETITIONS, METHODS
 from lqd_search.runs.run_folder import RunFolder, default_path, refuse_existing
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 # The paper says 50 generations, and nothing of how many solutions they have: 2,048 is ours.
 _FULL_BATCH = 2_048
@@ -18,10 +24,12 @@ _FULL_EVALUATIONS = 50 * _FULL_BATCH
 _FEWEST_GENERATIONS = 32
 _INTERRUPTED = 130
 # What may be chosen anew when a run goes on; the result depends on none of it.
-_FREE = ("resume", "threads", "workers")
+_FREE = ("resume", "threads", "workers", "allow_weak_sandbox")
+# What says how to infer, and means nothing where functionals are there already.
+_INFERRING = ("llm", "recordings", "instruction", "model", "effort", "max_tokens", "sample")
 
 
-@click.command("run", short_help="Search for many motions that do a task.")
+@click.command("run")
 @click.argument("task_id", metavar="[TASK]", required=False)
 @click.option(
     "--method",
@@ -51,7 +59,21 @@ _FREE = ("resume", "threads", "workers")
     type=click.IntRange(min=0),
     default=0,
     show_default=True,
-    help="Which recorded sample of the language model's replies to use.",
+    help="Which of several inferences of the same task.",
+)
+@llm_options
+@click.option(
+    "--functionals",
+    metavar="DIR",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of functionals to use instead of inferring them, as `lqd infer --out` and every "
+    "run write it; a person may have edited it.",
+)
+@click.option(
+    "--allow-weak-sandbox",
+    is_flag=True,
+    help="Run functionals that do not ship with the package even where the sandbox lacks a layer; "
+    "`lqd doctor` says whether it does.",
 )
 @click.option(
     "--failure-competition",
@@ -82,7 +104,7 @@ _FREE = ("resume", "threads", "workers")
     metavar="DIR",
     type=click.Path(path_type=Path),
     help="Go on with the run in DIR, which was stopped; give neither TASK nor anything but "
-    "--threads and --workers.",
+    "--threads, --workers and --allow-weak-sandbox.",
 )
 @click.pass_context
 def run_command(
@@ -94,6 +116,10 @@ def run_command(
     batch_size: int | None,
     seed: int,
     sample: int,
+    llm: LLMOptions,
+    instruction: str | None,
+    functionals: Path | None,
+    allow_weak_sandbox: bool,
     failure_competition: str,
     threads: int,
     workers: str | None,
@@ -103,36 +129,49 @@ def run_command(
     """Search for many different motions that do TASK, such as LQD/Faucet-v0.
 
     The functionals (success condition, fitness functions and behaviour descriptors) are those
-    that a language model wrote for the task's instruction, replayed from recordings that ship
-    with the package. The archive, its figures and pictures are written to a folder. A checkpoint
-    is kept after each generation: a run that was stopped, however, goes on with --resume and ends
-    as if it had not been.
+    that a language model wrote for the task's instruction: without further options, replies that
+    ship with the package; with --llm live, those of a model that is asked through the Anthropic
+    API. They are checked, and run in a sandbox. The archive, its figures and pictures are written
+    to a folder. A checkpoint is kept after each generation: a run that was stopped, however, goes
+    on with --resume and ends as if it had not been.
     """
-    if resume is not None:
-        _refuse_other_options(context)
-        folder = RunFolder.open(resume)
-    elif task_id is None:
-        raise LQDError("Expected a TASK, such as LQD/Faucet-v0, or --resume DIR, but got neither.")
-    else:
-        path = out or default_path(get_task(task_id))
-        refuse_existing(path)
-        folder = begin_run(
-            path,
-            task_id=task_id,
-            method=method,
-            evaluations=evaluations,
-            batch_size=batch_size or default_batch_size(evaluations),
-            seed=seed,
-            sample=sample,
-            failure_competition=failure_competition,
-            threads=threads,
-        )
-    for sentence in folder.config().dropped:
+    with cluster_at(workers) as client:
+        if resume is not None:
+            _refuse_other_options(context)
+            folder = RunFolder.open(resume)
+        elif task_id is None:
+            raise LQDError(
+                "Expected a TASK, such as LQD/Faucet-v0, or --resume DIR, but got neither."
+            )
+        else:
+            if functionals is not None:
+                _refuse_inferring(context)
+            task = get_task(task_id)
+            path = out or default_path(task)
+            refuse_existing(path)
+            source = FunctionalsSource(llm, instruction, sample, functionals)
+            with source.get(
+                task, method=method, output=path, threads=threads, allow_weak=allow_weak_sandbox
+            ) as found:
+                folder = begin_run(
+                    path,
+                    task=task,
+                    functionals=found,
+                    method=method,
+                    evaluations=evaluations,
+                    batch_size=batch_size or default_batch_size(evaluations),
+                    seed=seed,
+                    sample=sample,
+                    failure_competition=failure_competition,
+                    allow_weak=allow_weak_sandbox,
+                )
+        _finish(folder, threads=threads, client=client, allow_weak=allow_weak_sandbox)
+
+
+def _finish(folder: RunFolder, *, threads: int, client: "Client | None", allow_weak: bool) -> None:
+    config = folder.config()
+    for sentence in (*config.dropped, *config.repaired):
         click.echo(f"note: {sentence}", err=True)
-    _finish(folder, threads=threads, workers=workers)
-
-
-def _finish(folder: RunFolder, *, threads: int, workers: str | None) -> None:
     if folder.finished:
         click.echo(f"note: the run in {folder.path} is finished; these are its figures", err=True)
         folder.state.remove()
@@ -140,7 +179,7 @@ def _finish(folder: RunFolder, *, threads: int, workers: str | None) -> None:
         return
     _note_changed_versions(folder)
     try:
-        pictures = go_on(folder, threads=threads, workers=workers)
+        pictures = go_on(folder, threads=threads, client=client, allow_weak=allow_weak)
     except KeyboardInterrupt:
         again = f"lqd run --resume {quote(str(folder.path))}"
         click.echo(f"lqd: stopped; go on with `{again}`", err=True)
@@ -152,18 +191,31 @@ def _finish(folder: RunFolder, *, threads: int, workers: str | None) -> None:
 
 
 def _refuse_other_options(context: click.Context) -> None:
-    given = [
-        name
-        for name in context.params
-        if name not in _FREE
-        and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
-    ]
+    given = [name for name in _given(context) if name not in _FREE]
     if given:
-        names = ", ".join("TASK" if n == "task_id" else f"--{n.replace('_', '-')}" for n in given)
         raise LQDError(
-            "Expected nothing but --threads and --workers beside --resume, since a run goes on as "
-            f"it began, but got {names}; leave it out, or begin another run."
+            "Expected nothing but --threads, --workers and --allow-weak-sandbox beside --resume, "
+            f"since a run goes on as it began, but got {_options(given)}; leave it out, or begin "
+            "another run."
         )
+
+
+def _refuse_inferring(context: click.Context) -> None:
+    given = [name for name in _given(context) if name in _INFERRING]
+    if given:
+        raise LQDError(
+            "Expected no option that says how to infer functionals beside --functionals, but got "
+            f"{_options(given)}; leave out the one or the other."
+        )
+
+
+def _given(context: click.Context) -> list[str]:
+    source = click.core.ParameterSource.COMMANDLINE
+    return [name for name in context.params if context.get_parameter_source(name) is source]
+
+
+def _options(names: list[str]) -> str:
+    return ", ".join("TASK" if n == "task_id" else f"--{n.replace('_', '-')}" for n in names)
 
 
 def _note_changed_versions(folder: RunFolder) -> None:

@@ -9,7 +9,7 @@ from lqd_search.cli.table import print_summary
 from lqd_search.runs.run_folder import RunFolder
 
 
-@click.command("show", short_help="Show a run's figures.")
+@click.command("show")
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for scripts.")
 def show_command(*, folder: Path, as_json: bool) -> None:

@@ -19,23 +19,28 @@ def print_summary(summary: Summary) -> None:
         console.print(_grids(summary))
     if summary["refused"]:
         console.print(_refusals(summary))
-    for sentence in summary["dropped"]:
-        console.print(f"Not used: {sentence}", markup=False)
+    for title, sentences in (
+        ("Stopped", summary["stopped"]),
+        ("Not used", summary["dropped"]),
+        ("Repaired", summary["repaired"]),
+        ("To know", summary["remarks"]),
+    ):
+        for sentence in sentences:
+            console.print(f"{title}: {sentence}", markup=False, highlight=False)
     if summary["waiting_descriptors"]:
         names = ", ".join(summary["waiting_descriptors"])
         console.print(f"Without a grid, since too few motions defined them: {names}.")
     if summary["grids"] or summary["waiting_descriptors"]:
         for sentence in _report(summary).sentences():
             console.print(sentence, markup=False, highlight=False)
-    if summary["method"] == "handcrafted":
+    if summary["llm"] == "none":
         console.print("Steered by the expert; the inferred condition here is the expert's own.")
         return
-    console.print(
-        f"Functionals: recorded sample {summary['sample']}, model {summary['model']}. "
-        f"{summary['provenance']}",
-        markup=False,
-        highlight=False,
-    )
+    sample = "" if summary["llm"] == "folder" else f"sample {summary['sample']}, "
+    sentences = [f"Functionals: {sample}model {summary['model']}.", summary["provenance"]]
+    if summary["usage"]:
+        sentences.append(f"Usage: {summary['usage']}.")
+    console.print(" ".join(sentences), markup=False, highlight=False)
 
 
 def _report(summary: Summary) -> DescriptorReport:

@@ -4,86 +4,125 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lqd_envs import LQDError, get_task
+from lqd_envs import LQDError, Task
+from lqd_search.cli.evaluator_recipe import EvaluatorRecipe
 from lqd_search.cli.progress import RunProgress
-from lqd_search.cli.recorded import RecordedEvaluator, function_texts, infer, make_judge
+from lqd_search.cli.run_functionals import RunFunctionals
 from lqd_search.evaluation.cluster import open_cluster
 from lqd_search.evaluation.cluster_evaluator import ClusterEvaluator
 from lqd_search.evaluation.motion_evaluator import MotionEvaluator
-from lqd_search.loop import Evaluate, search
+from lqd_search.evaluation.stopped_functions import MakeEvaluate, WithoutStopped
+from lqd_search.loop import search
 from lqd_search.methods.by_name import FAILURE_COMPETITIONS, METHODS, Setting
 from lqd_search.methods.method import Method
+from lqd_search.methods.steering import STEERING
+from lqd_search.runs.function_text import functionals_digest
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_recorder import RunRecorder
 from lqd_search.runs.run_state import RunState
 
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from lqd_llm import Usage
+
+# Where the expert steers there are no inferred ones, but ranges are learned again at the same time.
+_EXPLORED = 3
+
 
 def begin_run(
     path: Path,
     *,
-    task_id: str,
+    task: Task,
+    functionals: RunFunctionals,
     method: str,
     evaluations: int,
     batch_size: int,
     seed: int,
     sample: int,
     failure_competition: str,
-    threads: int,
+    allow_weak: bool,
 ) -> RunFolder:
     """Make the folder of a new run, once it is clear that the run can be carried out.
 
     Args:
         path: The folder, which does not exist.
-        task_id: Id of the task.
+        task: The task.
+        functionals: What steers the run.
         method: Name of the method.
         evaluations: Evaluations to spend.
         batch_size: Solutions in a generation.
         seed: Seed of everything random.
-        sample: Which recorded sample of the model's replies.
+        sample: Which of several inferences of the task.
         failure_competition: How two failures compete for a cell.
-        threads: Threads to simulate on; 0: one for each CPU.
+        allow_weak: Whether the sandbox may lack locks that this system does not have.
 
     Raises:
-        LQDError: The functionals cannot be had or used, the method cannot be set up so, or the
-            folder cannot be made.
+        LQDError: The functionals cannot be used, the method cannot be set up so, or the folder
+            cannot be made.
     """
-    task = get_task(task_id)
-    inferred = infer(task, sample=sample)
-    judge = make_judge(task, inferred, method=method, threads=threads)
+    checked = functionals.checked
+    usage = checked.usage
     config = RunConfig(
         task=task.id,
-        instruction=task.instruction,
+        instruction=functionals.instruction,
         method=method,
         seed=seed,
         sample=sample,
         evaluations=evaluations,
         batch_size=batch_size,
-        explored=len(inferred.fitness),
+        explored=sum(text.kind == "fitness" for text in checked.texts) or _EXPLORED,
         failure_competition=failure_competition,
-        prompt_hashes=dict(inferred.prompt_hashes),
-        model=inferred.model,
-        provenance=inferred.provenance,
-        dropped=(*inferred.dropped, *judge.dropped),
+        llm=functionals.llm,
+        prompt_hashes=dict(checked.prompt_hashes),
+        model=checked.model,
+        provenance=checked.provenance,
+        functionals=functionals_digest(checked.texts) if checked.texts else "",
+        lengths=dict(checked.lengths),
+        dropped=checked.dropped,
+        repaired=checked.repaired,
+        remarks=checked.remarks,
+        usage={} if usage is None else _numbers(usage),
+        usage_in_words="" if usage is None else usage.summary(),
     )
-    evaluate = MotionEvaluator(task, judge, threads)
+    recipe = EvaluatorRecipe.of(
+        task.id,
+        steering=STEERING[method],
+        functions=checked.texts,
+        lengths=checked.lengths,
+        allow_weak=allow_weak,
+    )
     # Before the folder is there: a budget that does not suffice is no reason for one.
-    new_method(config, evaluate)
-    return RunFolder.create(
-        path, config=config, functionals=function_texts(inferred, method=method)
+    with recipe.opened() as evaluate:
+        new_method(config, evaluate)
+    kept = functionals.kept
+    folder = RunFolder.create(
+        path,
+        config=config,
+        functionals=checked.texts,
+        origin=functionals.origin,
+        inference=None if kept is None else kept.path,
     )
+    if kept is not None:
+        kept.remove()
+    return folder
 
 
-def go_on(folder: RunFolder, *, threads: int, workers: str | None) -> tuple[Path, ...]:
+def go_on(
+    folder: RunFolder, *, threads: int, client: "Client | None", allow_weak: bool
+) -> tuple[Path, ...]:
     """Go on with a run from its last checkpoint, or from its start, until it is finished.
 
     Args:
         folder: The run's folder.
         threads: Threads to simulate on; 0: one for each CPU.
-        workers: Where to evaluate, as `open_cluster` takes it; None: here.
+        client: The cluster to evaluate on; None: here.
+        allow_weak: Whether the sandbox may lack locks that this system does not have.
 
     Returns:
         The pictures.
@@ -92,40 +131,78 @@ def go_on(folder: RunFolder, *, threads: int, workers: str | None) -> tuple[Path
         LQDError: The run cannot go on; what was finished is kept.
     """
     config = folder.config()
-    recipe = RecordedEvaluator(config.task, config.method, config.sample, threads)
     _check_choices(folder, config)
     _check_functionals(folder, config)
-    here = recipe()
-    state = folder.state.load() or RunState(new_method(config, here))
+    recipe = EvaluatorRecipe.of(
+        config.task,
+        steering=STEERING[config.method],
+        functions=folder.functionals(),
+        lengths=config.lengths,
+        threads=threads,
+        allow_weak=allow_weak,
+    )
+    with recipe.opened() as here:
+        state = folder.state.load() or RunState(new_method(config, here))
+        make = _maker(recipe, client)
+        evaluate = WithoutStopped(
+            here if client is None and not state.stopped else make(state.stopped),
+            make=make,
+            stopped=state.stopped,
+        )
+        with _recorder(folder, config, task=here.task, state=state) as recorder:
+            search(state.method, evaluate, observe=recorder.observe)
+        return recorder.finish()
+
+
+def _maker(recipe: EvaluatorRecipe, client: "Client | None") -> MakeEvaluate:
+    if client is None:
+        return lambda stopped: recipe.without(stopped)()
+    # Dask runs as many processes as there are to be busy; each simulates on one thread.
+    spread = replace(recipe, threads=1)
+    return lambda stopped: ClusterEvaluator(client, spread.without(stopped))
+
+
+def _numbers(usage: "Usage") -> dict[str, int | float | None]:
+    return {name: n for name, n in usage.to_dict().items() if name != "unpriced"}
+
+
+@contextmanager
+def _recorder(
+    folder: RunFolder, config: RunConfig, *, task: Task, state: RunState
+) -> Iterator[RunRecorder]:
     with RunProgress(
-        f"{here.task.id} \u201c{here.task.instruction}\u201d, {config.method}",
+        f"{task.id} \u201c{config.instruction}\u201d, {config.method}",
         total=config.evaluations,
         folder=folder.path,
     ) as progress:
         recorder = RunRecorder(
             folder,
-            task=here.task,
+            task=task,
             state=state,
             on_generation=progress.show,
             on_refusal=progress.warn,
+            on_stopped=progress.warn_stopped,
         )
         if state.metrics:
             progress.show(state.metrics[-1])
-        with _evaluator(here, recipe, workers=workers) as evaluate:
-            search(state.method, evaluate, observe=recorder.observe)
-    return recorder.finish()
+        yield recorder
 
 
 @contextmanager
-def _evaluator(
-    here: MotionEvaluator, recipe: RecordedEvaluator, *, workers: str | None
-) -> Iterator[Evaluate]:
+def cluster_at(workers: str | None) -> Iterator["Client | None"]:
+    """Connect to the cluster that a run is evaluated on, for the length of a `with` block.
+
+    Args:
+        workers: Where it is, as `open_cluster` takes it; None: there is none.
+
+    Raises:
+        ClusterError: It cannot be used.
+    """
     if workers is None:
-        yield here
+        yield None
         return
     with open_cluster(workers) as client:
-        # Dask runs as many processes as there are to be busy; each simulates on one thread.
-        yield ClusterEvaluator(client, replace(recipe, threads=1))
+        yield client
 
 
 def new_method(config: RunConfig, evaluate: MotionEvaluator) -> Method:
@@ -162,11 +239,10 @@ def _check_choices(folder: RunFolder, config: RunConfig) -> None:
 
 
 def _check_functionals(folder: RunFolder, config: RunConfig) -> None:
-    task = get_task(config.task)
-    texts = function_texts(infer(task, sample=config.sample), method=config.method)
-    if {text.file_name: text.source for text in texts} != folder.functionals():
+    texts = folder.functionals()
+    if texts and functionals_digest(texts) != config.functionals:
         raise LQDError(
-            f"Expected the functionals in {folder.path} to be those of the recorded sample "
-            f"{config.sample}, but they differ: the run cannot go on as it began; restore the "
-            "folder, or install the version of lqd-envs that its config.json names."
+            f"Expected the functionals in {folder.path} to be those that the run began with, but "
+            "they were changed; restore them, or begin another run with "
+            f"`lqd run {config.task} --functionals {folder.path / 'functionals'}`."
         )

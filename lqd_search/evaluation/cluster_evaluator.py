@@ -85,7 +85,12 @@ def evaluate_chunk(recipe: bytes, solutions: NDArray[np.float64]) -> Values:
         solutions: (n, dim) solutions.
     """
     # What comes over the network is read-only, and an evaluator need not expect that.
-    return _evaluator(recipe)(np.array(solutions))
+    values = _evaluator(recipe)(np.array(solutions))
+    if values.stopped:
+        # It refuses from now on what it stopped here, and the next chunk, of this batch or of
+        # another run, must not depend on that.
+        _evaluator.cache_clear()
+    return values
 
 
 @lru_cache(maxsize=4)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_search.evaluation.values import Refusal, Values, ValuesError
+from lqd_search.evaluation.values import Refusal, StoppedFunction, Values, ValuesError
 
 _Columns = Mapping[str, NDArray[Any]]
 
@@ -16,7 +16,8 @@ def concatenate_values(parts: Sequence[Values]) -> Values:
     """Return what one evaluation of the whole batch would have given, bit for bit.
 
     A refusal's count is the sum over the chunks, its first motion is an index in the whole batch,
-    and the refusals stand in the order in which they first happened.
+    and the refusals stand in the order in which they first happened. A functional that was stopped
+    in several chunks is there once, with the reason of the first.
 
     Args:
         parts: The values of the batch's chunks, one after another; at least one.
@@ -34,6 +35,7 @@ def concatenate_values(parts: Sequence[Values]) -> Values:
         refusals=_merged(parts),
         passive=_joined("passive", [part.passive for part in parts]),
         perceived=_joined("perceived", [part.perceived for part in parts]),
+        stopped=_united(parts),
     )
 
 
@@ -70,6 +72,13 @@ def _merged(parts: Sequence[Values]) -> tuple[Refusal, ...]:
             merged[key] = _sum(merged[key], shifted) if key in merged else shifted
         offset += len(part)
     return tuple(merged.values())
+
+
+def _united(parts: Sequence[Values]) -> tuple[StoppedFunction, ...]:
+    united: dict[tuple[str, str], StoppedFunction] = {}
+    for stopped in (stopped for part in parts for stopped in part.stopped):
+        united.setdefault((stopped.kind, stopped.functional), stopped)
+    return tuple(united.values())
 
 
 def _sum(one: Refusal, other: Refusal) -> Refusal:

@@ -1,4 +1,8 @@
-"""Judging by the three functions of the paper's naive inference."""
+"""Judging by one success, one fitness and one descriptor, as the paper's naive inference has them.
+
+The functions are called in this process, so they are for code of one's own. Code that a model wrote
+belongs in `lqd_llm.sandbox`, where `lqd run` calls it.
+"""
 
 import math
 from collections.abc import Sequence
@@ -29,9 +33,9 @@ DIRECT = "direct"
 
 @dataclass(frozen=True)
 class DirectFunctionals:
-    """What a language model writes when it is asked for everything at once.
+    """Three functions of one's own, of the kinds that a model is asked for all at once.
 
-    They are asked to be pure, as those of `Functionals` are.
+    They are called in this process, and asked to be pure, as those of `Functionals` are.
 
     Attributes:
         success: Says whether a motion did the task.
@@ -129,7 +133,7 @@ class DirectJudge:
             why = "it is not defined on the last one"
         raise FunctionalError(
             "Expected a direct descriptor that measures 2 to 5 finite numbers of an example "
-            f"motion, but of {len(examples)} there is none: {why}; correct it, or infer another."
+            f"motion, but of {len(examples)} there is none: {why}; correct it."
         )
 
     def _require_fitness(self, examples: Sequence[Infos]) -> None:
@@ -143,5 +147,5 @@ class DirectJudge:
                 return
         raise FunctionalError(
             "Expected a direct fitness that gives finite numbers on an example motion, but on the "
-            f"last of {len(examples)} it {why}; correct it, or infer another."
+            f"last of {len(examples)} it {why}; correct it."
         )

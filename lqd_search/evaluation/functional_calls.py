@@ -1,4 +1,7 @@
-"""One call of one functional, and the check of what it returned."""
+"""One call of one functional in this process, and the check of what it returned.
+
+A functional that a model wrote is called by `lqd_llm.sandbox` instead, which checks the same.
+"""
 
 import math
 from collections.abc import Callable
@@ -126,7 +129,7 @@ def _call(function: Callable[[_Argument], _Result], argument: _Argument) -> _Res
     try:
         return function(argument)
     except Exception as error:
-        # A model wrote this code, and it may raise anything.
+        # Somebody else wrote this code, and it may raise anything.
         raise RefusedValueError(f"raised {type(error).__name__}{_line_of(error)}") from error
 
 

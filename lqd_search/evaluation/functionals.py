@@ -1,4 +1,8 @@
-"""The functions a run is steered by, and how they turn motions into values."""
+"""Python functions that a search is steered by, and how they turn motions into values.
+
+They are called in this process, so they are for code of one's own. Code that a model wrote belongs
+in `lqd_llm.sandbox`, where `lqd run` calls it.
+"""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -35,7 +39,7 @@ class FunctionalError(LQDError):
 
 @dataclass(frozen=True)
 class Functionals:
-    """The functions a run is steered by.
+    """Functions of one's own that a search is steered by; they are called in this process.
 
     They are asked to be pure. Each is given a list of its own, which it may sort or empty, but the
     moments in it are the same ones for all functions of a motion: one that changed a moment would
@@ -72,7 +76,7 @@ class Functionals:
 
 
 class FunctionalEvaluator:
-    """Turns the moments of motions into values, by calling functionals on them.
+    """Turns the moments of motions into values, by calling functionals on them in this process.
 
     How many numbers a quantity measures is fixed on the first example that it can measure. One
     that cannot measure any of them is dropped with its descriptors, and so is a fitness that
@@ -212,7 +216,7 @@ def _refuse_none(wanted: str, trial: Trial[Any]) -> None:
     if not trial.results:
         raise FunctionalError(
             f"Expected {wanted} on an example moment, but there is none: "
-            f"{' '.join(trial.dropped)} Correct one, or infer others."
+            f"{' '.join(trial.dropped)} Correct one, or add others."
         )
 
 

@@ -1,4 +1,4 @@
-"""Judging by inferred functionals and their BD mesh."""
+"""Judging by functionals of one's own and their BD mesh."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,8 @@ from lqd_search.evaluation.values import Values
 class MeshJudge:
     """Judges motions by one success, several fitness functions and the descriptors of a BD mesh.
 
-    It implements `Judge`.
+    It implements `Judge`. The functionals are called in this process: those that a model wrote run
+    in the sandbox instead, with the same values.
 
     Args:
         functionals: Turns the moments of motions into values.

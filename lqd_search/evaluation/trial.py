@@ -1,4 +1,4 @@
-"""Functionals tried on example moments, before a run rests on them."""
+"""Functionals of one's own tried on example moments, before a search rests on them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ def try_functions(
     call: Callable[[_Function, Info], _Result],
     examples: Sequence[Info],
 ) -> Trial[_Result]:
-    """Call each function on the examples until it gives a result.
+    """Call each function, in this process, on the examples until it gives a result.
 
     Args:
         kind: Their kind, for the sentences.

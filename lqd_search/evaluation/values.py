@@ -33,6 +33,27 @@ class Refusal:
     first_motion: int
 
 
+@dataclass(frozen=True)
+class StoppedFunction:
+    """A functional that was stopped from outside, and that no search may rely on any more.
+
+    Attributes:
+        functional: The functional's name, as in a `Refusal`.
+        kind: Its kind, as in a `Refusal`.
+        reason: Why, in words that complete "it ...".
+    """
+
+    functional: str
+    kind: str
+    reason: str
+
+    def __str__(self) -> str:
+        """Return this as a sentence."""
+        return (
+            f"The {self.kind} function {self.functional!r} is not used any more: it {self.reason}."
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Values:
     """What a batch of N evaluated solutions came to.
@@ -44,6 +65,9 @@ class Values:
         fitness: For each fitness function (N,) float64; NaN: undefined or refused.
         measures: For each descriptor (N, d) float64; a row of only NaN: undefined.
         refusals: The functionals whose values were refused in this batch.
+        stopped: The functionals that were stopped while this batch was judged, each once. As long
+            as they are called at all, what is refused of them depends on where that happened;
+            `WithoutStopped` evaluates such a batch again without them.
         passive: Columns with N rows that are carried along and stored with the elites, and that no
             search reads, such as the expert's verdict.
         perceived: Further columns with N rows that the robot perceived itself, and that a search
@@ -62,6 +86,7 @@ class Values:
     refusals: tuple[Refusal, ...] = ()
     passive: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     perceived: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    stopped: tuple[StoppedFunction, ...] = ()
 
     def __post_init__(self) -> None:
         self._check("valid", self.valid, dtype=np.bool_, ndim=1)
@@ -95,8 +120,13 @@ class Values:
     def __len__(self) -> int:
         return len(self.valid)
 
+    @property
+    def valid_measures(self) -> dict[str, NDArray[np.float64]]:
+        """For each descriptor, in order, the (n, d) measures of the n valid solutions."""
+        return {name: measures[self.valid] for name, measures in self.measures.items()}
+
     def rows(self, rows: NDArray[np.intp]) -> "Values":
-        """Return the chosen solutions alone; refusals, which count whole batches, are left out."""
+        """Return the chosen solutions alone; what is said of the whole batch is left out."""
         return Values(
             valid=self.valid[rows],
             success=self.success[rows],

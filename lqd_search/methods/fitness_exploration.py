@@ -181,8 +181,7 @@ class LanguageDrivenQD:
             self._runs = runs
         else:
             self._current.tell(solutions, values, evaluation=evaluation)
-        valid = values.valid
-        log.record(evaluation[valid], {name: m[valid] for name, m in values.measures.items()})
+        log.record(evaluation[values.valid], values.valid_measures)
 
     def _end_exploration(
         self,

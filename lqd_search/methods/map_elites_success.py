@@ -176,8 +176,7 @@ class MapElitesSuccess:
         log: ObservationLog,
     ) -> None:
         self._run.tell(solutions, values, evaluation=evaluation)
-        valid = values.valid
-        log.record(evaluation[valid], {name: m[valid] for name, m in values.measures.items()})
+        log.record(evaluation[values.valid], values.valid_measures)
 
     def _tell_and_relearn(
         self,

@@ -1,6 +1,8 @@
 """The source of a functional, as it is kept with a run."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from hashlib import sha256
 
 DIRECT_KINDS = ("direct.success", "direct.fitness", "direct.descriptor")
 """The kinds of the functions that a model writes when it is asked for everything at once."""
@@ -43,3 +45,16 @@ class FunctionText:
     def source(self) -> str:
         """The content of its file."""
         return f"# {' '.join(self.description.split())}\n{self.code.rstrip()}\n"
+
+
+def functionals_digest(texts: Iterable[FunctionText]) -> str:
+    """Return a digest of functionals: another one where a file or their order is another.
+
+    Args:
+        texts: The functionals, in order.
+    """
+    digest = sha256()
+    for text in texts:
+        for part in (text.file_name, text.source):
+            digest.update(sha256(part.encode()).digest())
+    return digest.hexdigest()

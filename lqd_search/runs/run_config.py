@@ -8,7 +8,7 @@ from typing import Any
 
 from lqd_search.runs.json_form import check_form
 
-RUN_FORMAT = 2
+RUN_FORMAT = 3
 """Version of the run folder's layout; a reader refuses one that it does not know."""
 
 _PACKAGES = (
@@ -37,15 +37,24 @@ class RunConfig:
         instruction: The sentence that the language model was given.
         method: Name of the method.
         seed: Seed of everything random.
-        sample: Which recorded sample of the model's replies.
+        sample: Which of several inferences of the task.
         evaluations: Evaluations to spend.
         batch_size: Solutions in a generation.
-        explored: Number of fitness functions that were inferred, for the exploration of `ours`.
+        explored: Number of fitness functions that there are, for the exploration of `ours`.
         failure_competition: How two failures compete for a cell: `fitness` or `coin`.
+        llm: Where the functionals come from: `replay`, `record` or `live`, `folder` for one that
+            the user named, `none` where the expert steers.
         prompt_hashes: For each kind of inference, the hash of its prompts.
         model: The model that wrote the functionals, as far as it is known.
         provenance: How its replies were taken.
+        functionals: Digest of the functionals, by which it shows when their files were changed.
+        lengths: How many numbers each quantity gives, by name, and the direct descriptor under
+            `direct.descriptor`.
         dropped: One sentence for each function of the replies that is not used.
+        repaired: One sentence for each function that the model had to repair.
+        remarks: One sentence for each function that adds little.
+        usage: What the model's answers took: tokens by kind, and `cost` in USD where it is known.
+        usage_in_words: The same in a few words; empty where no model was asked.
         versions: Of Python and of the packages.
         format: Version of the run folder's layout.
     """
@@ -59,10 +68,17 @@ class RunConfig:
     batch_size: int
     explored: int
     failure_competition: str
+    llm: str
     prompt_hashes: dict[str, str]
     model: str
     provenance: str
-    dropped: tuple[str, ...]
+    functionals: str
+    lengths: dict[str, int]
+    dropped: tuple[str, ...] = ()
+    repaired: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    usage: dict[str, int | float | None] = field(default_factory=dict)
+    usage_in_words: str = ""
     versions: dict[str, str] = field(default_factory=installed_versions)
     format: int = RUN_FORMAT
 
@@ -79,7 +95,8 @@ class RunConfig:
         """
         check_form(data, cls)
         known = {column.name: data[column.name] for column in fields(cls)}
-        return cls(**{**known, "dropped": tuple(known["dropped"])})
+        sentences = {name: tuple(known[name]) for name in ("dropped", "repaired", "remarks")}
+        return cls(**{**known, **sentences})
 
     def changed_versions(self) -> dict[str, tuple[str, str]]:
         """Return which versions are others here: for each its name, the run's and this one's."""

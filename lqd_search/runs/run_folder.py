@@ -2,19 +2,25 @@
 
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from shlex import quote
-from shutil import rmtree
+from shutil import copytree, rmtree
 from tempfile import mkdtemp
 from typing import Any
 
 from lqd_envs import Task
 from lqd_envs.atomic_file import write_atomically
 from lqd_search.runs.function_text import FunctionText
+from lqd_search.runs.functionals_folder import (
+    FunctionalsFolderError,
+    read_functionals,
+    write_functionals,
+)
+from lqd_search.runs.functionals_index import Origin
 from lqd_search.runs.json_form import FormError, check_form
 from lqd_search.runs.kept_state import KeptState
 from lqd_search.runs.metrics_file import MetricsFile
@@ -26,7 +32,7 @@ from lqd_search.runs.summary import Summary
 
 CONFIG, METRICS, SUMMARY = "config.json", "metrics.csv", "summary.json"
 ARCHIVE, OUTCOMES = "archive.npz", "outcomes.npz"
-FUNCTIONALS, PICTURES = "functionals", "pictures"
+FUNCTIONALS, INFERENCE, PICTURES = "functionals", "inference", "pictures"
 
 
 @dataclass(frozen=True)
@@ -41,9 +47,22 @@ class RunFolder:
 
     @classmethod
     def create(
-        cls, path: Path, *, config: RunConfig, functionals: Iterable[FunctionText]
+        cls,
+        path: Path,
+        *,
+        config: RunConfig,
+        functionals: Sequence[FunctionText],
+        origin: Origin | None = None,
+        inference: Path | None = None,
     ) -> "RunFolder":
-        """Make a new run folder with its configuration and its functionals' source.
+        """Make a new run folder with its configuration and its functionals.
+
+        Args:
+            path: The folder, which does not exist.
+            config: What the run was asked to do.
+            functionals: What steers it, and all else that was inferred; none: the expert does.
+            origin: Where they come from.
+            inference: Folder of all that was asked and answered, which is copied; None: nothing.
 
         Raises:
             RunFolderError: The folder exists already, or cannot be written.
@@ -53,10 +72,16 @@ class RunFolder:
             path.parent.mkdir(parents=True, exist_ok=True)
             # Made beside its place and moved, it is there complete or not at all.
             with _folder_beside(path) as part:
-                cls(part)._fill(config, functionals)
+                cls(part)._fill(config, functionals, origin)
+                if inference is not None:
+                    copytree(inference, part / INFERENCE)
                 part.rename(path)
         except OSError as error:
             raise _cannot_make(path, error) from error
+        except FunctionalsFolderError as error:
+            if isinstance(error.__cause__, OSError):
+                raise _cannot_make(path, error.__cause__) from error
+            raise
         return cls(path)
 
     @classmethod
@@ -133,20 +158,13 @@ class RunFolder:
         """Whether the run is finished: it has its figures."""
         return (self.path / SUMMARY).exists()
 
-    def functionals(self) -> dict[str, str]:
-        """Return the functionals' source by file name.
+    def functionals(self) -> tuple[FunctionText, ...]:
+        """Return the functionals, in order; none where the expert steers.
 
         Raises:
-            RunFolderError: They cannot be read.
+            FunctionalsFolderError: They cannot be read.
         """
-        try:
-            files = sorted((self.path / FUNCTIONALS).glob("*.py"))
-            return {file.name: file.read_text() for file in files}
-        except (OSError, ValueError) as error:
-            raise RunFolderError(
-                f"Expected the functionals' source in {self.path / FUNCTIONALS}, but it cannot be "
-                f"read ({error}); restore the files, or run the search again."
-            ) from error
+        return read_functionals(self.path / FUNCTIONALS) if self.config().functionals else ()
 
     def write(self, name: str, content: bytes) -> Path:
         """Write a file of the folder as a whole: it is there complete, or not at all.
@@ -161,11 +179,12 @@ class RunFolder:
             raise cannot_write(path, error) from error
         return path
 
-    def _fill(self, config: RunConfig, functionals: Iterable[FunctionText]) -> None:
-        (self.path / FUNCTIONALS).mkdir()
+    def _fill(
+        self, config: RunConfig, functionals: Sequence[FunctionText], origin: Origin | None
+    ) -> None:
         (self.path / PICTURES).mkdir()
-        for text in functionals:
-            write_atomically(self.path / FUNCTIONALS / text.file_name, text.source.encode())
+        if functionals:
+            write_functionals(self.path / FUNCTIONALS, functionals, origin=origin)
         write_atomically(self.path / CONFIG, config.to_json().encode())
 
     def _of_another_form(self, what: str, name: str, error: FormError) -> RunFolderError:

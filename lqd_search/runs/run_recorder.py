@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lqd_envs import Task
 from lqd_search.evaluation.descriptor_report import report_descriptors
-from lqd_search.evaluation.values import Refusal
+from lqd_search.evaluation.values import Refusal, StoppedFunction
 from lqd_search.loop import Generation
 from lqd_search.pictures import draw_curves, draw_ground_truth, draw_heat_map
 from lqd_search.runs.metrics import Metrics, measure_generation
@@ -21,6 +21,8 @@ OnGeneration = Callable[[Metrics], None]
 """Is told the figures of each generation."""
 OnRefusal = Callable[[Refusal, int], None]
 """Is told of each refusal of a new kind, with the number of the motion (its evaluation)."""
+OnStopped = Callable[[StoppedFunction], None]
+"""Is told of each functional that is stopped."""
 
 
 class RunRecorder:
@@ -36,6 +38,7 @@ class RunRecorder:
         state: Where the run stands, a new one or that of a checkpoint; it is kept up to date.
         on_generation: Called after each generation.
         on_refusal: Called when a functional's value is refused for a reason not met before.
+        on_stopped: Called when a functional is stopped.
 
     Raises:
         RunFolderError: The folder cannot be written.
@@ -50,12 +53,14 @@ class RunRecorder:
         state: RunState,
         on_generation: OnGeneration,
         on_refusal: OnRefusal,
+        on_stopped: OnStopped,
     ) -> None:
         self._folder = folder
         self._task = task
         self._state = state
         self._on_generation = on_generation
         self._on_refusal = on_refusal
+        self._on_stopped = on_stopped
         self._outcomes = folder.state.read_outcomes(
             len(state.metrics), ground_truth=task.ground_truth
         )
@@ -67,9 +72,11 @@ class RunRecorder:
         state, values = self._state, generation.values
         for refusal in state.tally.add(values):
             self._on_refusal(refusal, generation.evaluation + refusal.first_motion)
+        state.stopped += values.stopped
+        for stopped in values.stopped:
+            self._on_stopped(stopped)
         if state.report is None:
-            measures = {name: m[values.valid] for name, m in values.measures.items()}
-            state.report = report_descriptors(measures)
+            state.report = report_descriptors(values.valid_measures)
         news = self._outcomes.add(generation.solutions, values, evaluation=generation.evaluation)
         state.seconds = self._seconds()
         metrics = measure_generation(

@@ -80,9 +80,14 @@ class Summary(TypedDict):
     degenerate_descriptors: list[str]
     undefined_descriptors: list[str]
     refused: list[RefusalFigures]
+    stopped: list[str]
     dropped: list[str]
+    repaired: list[str]
+    remarks: list[str]
+    llm: str
     model: str
     provenance: str
+    usage: str
     seconds: float
     versions: dict[str, str]
 
@@ -127,9 +132,14 @@ def summarize(
         "degenerate_descriptors": list(report.degenerate) if report else [],
         "undefined_descriptors": list(report.undefined) if report else [],
         "refused": _refused(tally),
+        "stopped": list(map(str, state.stopped)),
         "dropped": list(config.dropped),
+        "repaired": list(config.repaired),
+        "remarks": list(config.remarks),
+        "llm": config.llm,
         "model": config.model,
         "provenance": config.provenance,
+        "usage": config.usage_in_words,
         "seconds": state.seconds,
         "versions": dict(config.versions),
     }

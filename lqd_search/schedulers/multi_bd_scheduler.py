@@ -193,9 +193,7 @@ class MultiBDScheduler:
         asked: bool,
     ) -> None:
         rows, batch = self._offerable(solutions, values, evaluation)
-        ranges = self.ranges.observe(
-            {name: values.measures[name][values.valid] for name in self.archive.descriptors}
-        )
+        ranges = self.ranges.observe(values.valid_measures)
         info = self._offer(batch, ranges)
         status, value = np.zeros(len(solutions), np.int32), np.full(len(solutions), -np.inf)
         # What was kept aside comes before the batch.

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "own_search.py"
 TUTORIAL = ROOT / "docs" / "tutorials" / "own-search.md"
@@ -34,3 +36,15 @@ def test_pyribs_scheduler_runs_on_the_archive():
     elites = namespace["archive"].elites()
     assert elites.successes > 0
     assert all(len(grid) > 10 for grid in namespace["archive"].grids.values())
+
+
+def test_own_functionals_judge_motions():
+    namespace = {}
+
+    exec(compile(BLOCKS[2], str(TUTORIAL), "exec"), namespace)
+
+    values = namespace["values"]
+    assert namespace["judge"].descriptors == {"start.gripper": 3, "end.gripper": 3}
+    assert values.valid.any()
+    assert np.isfinite(values.measures["end.gripper"][values.valid]).all()
+    assert np.isfinite(values.fitness["opening"][values.valid]).all()

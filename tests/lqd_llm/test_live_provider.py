@@ -1,8 +1,6 @@
 import json
 import logging
-import time
 import traceback
-from types import SimpleNamespace
 
 import anthropic
 import anthropic._base_client
@@ -27,15 +25,6 @@ pytestmark = pytest.mark.usefixtures("no_credentials")
 def live(api):
     with LiveProvider(Anthropic(api_key=KEY, base_url=api.url)) as provider:
         yield provider
-
-
-@pytest.fixture
-def sleeps(monkeypatch):
-    """How long the SDK would have slept between its tries."""
-    slept = []
-    clock = SimpleNamespace(**{**vars(time), "sleep": slept.append})
-    monkeypatch.setattr(anthropic._base_client, "time", clock)
-    return slept
 
 
 @pytest.fixture

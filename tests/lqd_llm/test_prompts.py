@@ -4,6 +4,7 @@ import pytest
 
 from lqd_llm import COUNTS, KINDS, load_recording, prompt_hash, render_prompt, render_system
 from lqd_llm.errors import PromptError
+from lqd_llm.prompts import fill_template
 
 
 def test_recorded_prompts_are_the_rendered_ones(task, sample):
@@ -47,3 +48,12 @@ def test_unknown_kind_names_the_known_ones(kind):
 def test_prompt_hash_is_sha256_of_both_parts():
     assert prompt_hash("ab", "c") == hashlib.sha256(b"ab\0c").hexdigest()
     assert prompt_hash("ab", "c") != prompt_hash("a", "bc")
+
+
+def test_values_of_a_template_are_put_in_literally():
+    values = {"NAME": "{CODE} {DESCRIPTION}", "CODE": r"\1 {NAME}"}
+    lines = fill_template("repair", values).splitlines()
+
+    assert '"{CODE} {DESCRIPTION}"' in lines[2]
+    assert r"\1 {NAME}" in lines
+    assert lines[0] == "{PROMPT}"

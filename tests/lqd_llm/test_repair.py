@@ -2,21 +2,32 @@ import json
 
 import pytest
 
-from lqd_llm import FunctionSource
+from lqd_llm import Candidate, CheckFailure, CheckOutcome, FunctionSource
 from lqd_llm.errors import FunctionError, MissingRecordingError, ProviderError
 from lqd_llm.inquiry import Inquiry
 from lqd_llm.model_options import ModelOptions
-from lqd_llm.repair import MAX_REPAIRS, CheckFailure, check_and_repair
+from lqd_llm.repair import MAX_REPAIRS
+from lqd_llm.repair import repair as repair_function
 
 SOURCE = FunctionSource(name="reach", description="How near.", code="def fitness(info): bad 0\n")
 
 
-def check(source, kind, entry):
+def check(candidates):
     """Fail while the code says `bad`, which it says with a number."""
-    assert (kind, entry) == ("fitness", "fitness")
-    if "bad" not in source.code:
-        return None
-    return CheckFailure("KeyError", f"there is no {source.code.split('bad ')[1].strip()}.", line=1)
+    (candidate,) = candidates
+    assert (candidate.kind, candidate.entry) == ("fitness", "fitness")
+    code = candidate.source.code
+    if "bad" not in code:
+        return [CheckOutcome()]
+    missing = code.split("bad ")[1].strip()
+    return [CheckOutcome(CheckFailure("KeyError", f"there is no {missing}.", line=1))]
+
+
+def after_check(source, *, check=check, **arguments):
+    """Repair a function that has been checked once."""
+    candidate = Candidate(source, "fitness", "fitness")
+    (outcome,) = check([candidate])
+    return repair_function(candidate, outcome, check=check, **arguments)
 
 
 @pytest.fixture
@@ -27,9 +38,11 @@ def repair(scripted):
         texts = iter(replies)
         model = scripted(lambda _: next(texts))
         inquiry = Inquiry(model, options=ModelOptions(), system="Be brief.", sample=2)
-        arguments = {"kind": "fitness", "entry": "fitness", "prompt": "Write {NAME}."}
         try:
-            return check_and_repair(source, check=check, inquiry=inquiry, **arguments), model
+            return (
+                after_check(source, check=check, prompt="Write {NAME}.", inquiry=inquiry),
+                model,
+            )
         except FunctionError as error:
             return error, model
 
@@ -53,7 +66,7 @@ def test_function_that_passes_is_not_touched(repair):
     good = SOURCE.model_copy(update={"code": "good"})
     checked, model = repair(source=good)
 
-    assert checked.source is good
+    assert checked.candidate.source is good
     assert checked.report is None
     assert model.requests == []
 
@@ -61,9 +74,9 @@ def test_function_that_passes_is_not_touched(repair):
 def test_function_passes_after_one_repair(repair, fixed):
     checked, model = repair(fixed)
 
-    assert checked.source.code == "def fitness(info): return 1.0"
-    assert checked.source.name == "reach"
-    assert checked.source.description == "what other_name does"
+    assert checked.candidate.source.code == "def fitness(info): return 1.0"
+    assert checked.candidate.source.name == "reach"
+    assert checked.candidate.source.description == "what other_name does"
     assert checked.report == (
         "The fitness function 'reach' passes its check after 1 repair "
         "(before: KeyError in line 1: there is no 0)."
@@ -110,7 +123,7 @@ def test_reply_that_cannot_be_read_is_a_repair_that_failed(repair, words, fixed)
     refused = words.message("", stop_reason="refusal", content=[])
     checked, model = repair(refused, "no JSON", fixed)
 
-    assert checked.source.code == "def fitness(info): return 1.0"
+    assert checked.candidate.source.code == "def fitness(info): return 1.0"
     assert len({request.key for request in model.requests}) == 3
     assert len({request.messages for request in model.requests}) == 1
 
@@ -123,8 +136,9 @@ def test_empty_reply_is_a_repair_that_failed(repair):
 
 
 def test_failure_without_a_line(repair, fixed):
-    def once(source, _kind, _entry):
-        return CheckFailure("Rejected", "too long") if "bad" in source.code else None
+    def once(candidates):
+        bad = "bad" in candidates[0].source.code
+        return [CheckOutcome(CheckFailure("Rejected", "too long") if bad else None)]
 
     checked, model = repair(fixed, check=once)
 
@@ -138,9 +152,7 @@ def test_without_a_recorded_repair_the_function_is_given_up(scripted):
 
     inquiry = Inquiry(scripted(nothing), options=ModelOptions(), system="", sample=0)
     with pytest.raises(FunctionError) as caught:
-        check_and_repair(
-            SOURCE, kind="fitness", entry="fitness", prompt="", check=check, inquiry=inquiry
-        )
+        after_check(SOURCE, prompt="", inquiry=inquiry)
 
     assert str(caught.value) == (
         "The fitness function 'reach' is not used: it fails its check (KeyError in line 1: there "
@@ -154,6 +166,4 @@ def test_fault_of_the_model_is_not_a_failed_repair(scripted):
 
     inquiry = Inquiry(scripted(fault), options=ModelOptions(), system="", sample=0)
     with pytest.raises(ProviderError, match="overloaded"):
-        check_and_repair(
-            SOURCE, kind="fitness", entry="fitness", prompt="", check=check, inquiry=inquiry
-        )
+        after_check(SOURCE, prompt="", inquiry=inquiry)

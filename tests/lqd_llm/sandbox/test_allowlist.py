@@ -6,7 +6,6 @@ import types
 import numpy as np
 import pytest
 
-from lqd_llm.functions import BUILTINS as BUILTINS_IN_PROCESS
 from lqd_llm.sandbox.allowlist import (
     BUILTINS,
     FACADE_NAMES,
@@ -93,10 +92,6 @@ def test_no_name_is_private_or_dangerous(names):
     assert not dangerous.intersection(names)
     assert not [name for name in names if name.startswith("_")]
     assert len(set(names)) == len(names)
-
-
-def test_builtins_that_recorded_functions_were_built_with_are_there():
-    assert set(BUILTINS_IN_PROCESS) <= set(BUILTINS)
 
 
 def test_lists_within_lists():

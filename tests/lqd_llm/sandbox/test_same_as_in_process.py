@@ -1,14 +1,13 @@
 """In the sandbox every function gives what it gives in this process, bit for bit."""
 
 import json
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from lqd_envs import get_task
-from lqd_llm import available_samples, infer_from_recording, load_recording
+from benchmarks.plain_functions import plain_function
+from lqd_llm import available_samples, load_recording
 from lqd_llm.sandbox import check_source
 from lqd_llm.sandbox.functions import SandboxedFunction
 from lqd_llm.sandbox.roles import Role
@@ -31,6 +30,7 @@ ROLES = {
     "timestamps": Role.TIMESTAMP,
     "quantities": Role.QUANTITY,
 }
+DIRECT = (Role.SUCCESS, Role.FITNESS, Role.DESCRIPTOR)
 REFUSED = "refused"
 
 
@@ -44,26 +44,25 @@ def expected_of(refusals):
 
 @pytest.fixture(params=TASKS)
 def recorded(request, motions_of, layout_of):
-    task = get_task(f"LQD/{TASKS[request.param]}-v0")
-    return request.param, task, motions_of(f"LQD/{TASKS[request.param]}-v0"), layout_of
+    motions = motions_of(f"LQD/{TASKS[request.param]}-v0")
+    return request.param, motions, layout_of(motions.columns)
 
 
 def test_the_mesh_of_every_recording(recorded):
-    name, task, motions, layout_of = recorded
+    name, motions, layout = recorded
     columns = motions.columns
     for sample in available_samples(name):
         told = load_recording(name, sample=sample)
-        ours = infer_from_recording(
-            name, instruction=task.instruction, schema=columns.schema, sample=sample
-        )
+        plain = {
+            kind: {
+                source.name: plain_function(source.code, entry=str(role))
+                for source in told.exchanges[kind].reply.functions
+            }
+            for kind, role in ROLES.items()
+        }
+        ((success, call),) = plain.pop("success").items()
         evaluator = FunctionalEvaluator(
-            Functionals(
-                success=ours.success.call,
-                fitness={f.name: f.call for f in ours.fitness},
-                timestamps={f.name: f.call for f in ours.timestamps},
-                quantities={f.name: f.call for f in ours.quantities},
-            ),
-            examples=motions.infos(0),
+            Functionals(success=call, **plain), examples=motions.infos(0)
         )
         infos = ((i, motions.infos(i)) for i in range(len(motions)))
         values = evaluator(infos, valid=motions.valid)
@@ -72,9 +71,9 @@ def test_the_mesh_of_every_recording(recorded):
             for kind, role in ROLES.items()
             for source in told.exchanges[kind].reply.functions
         ]
-        with Sandbox(layout_of(columns), functions=functions) as sandbox:
+        with Sandbox(layout, functions=functions) as sandbox:
             results = sandbox.run(columns.arrays())
-        assert np.array_equal(results.success[ours.success.name], values.success)
+        assert np.array_equal(results.success[success], values.success)
         assert list(results.fitness) == list(values.fitness)
         for fitness, column in values.fitness.items():
             assert np.array_equal(results.fitness[fitness], column, equal_nan=True)
@@ -87,19 +86,18 @@ def test_the_mesh_of_every_recording(recorded):
 
 
 def test_the_direct_functions_of_every_recording(recorded):
-    name, task, motions, layout_of = recorded
-    columns, calls, functions = motions.columns, {}, []
+    name, motions, layout = recorded
+    calls, functions = {}, []
     for sample in available_samples(name):
-        direct = infer_from_recording(
-            name, instruction=task.instruction, schema=columns.schema, sample=sample
-        ).direct
-        for role in (Role.SUCCESS, Role.FITNESS, Role.DESCRIPTOR):
-            inferred = getattr(direct, role)
-            calls[role, str(sample)] = inferred.call
-            checked = check_source(inferred.code, entry=inferred.entry)
+        direct = load_recording(name, sample=sample).exchanges["direct"].reply.functions
+        assert {source.name for source in direct} == set(DIRECT)
+        for source in direct:
+            role = Role(source.name)
+            calls[role, str(sample)] = plain_function(source.code, entry=source.name)
+            checked = check_source(source.code, entry=source.name)
             functions.append(SandboxedFunction(str(sample), role, checked))
-    with Sandbox(layout_of(columns), functions=functions) as sandbox:
-        results = sandbox.run(columns.arrays())
+    with Sandbox(layout, functions=functions) as sandbox:
+        results = sandbox.run(motions.columns.arrays())
     for motion in range(len(motions)):
         for (role, sample), call in calls.items():
             wanted = in_process(call, role, motions.infos(motion))
@@ -182,13 +180,6 @@ CALLS = {
 }
 
 
-def plainly(source):
-    """The function as plain Python defines it."""
-    namespace = {"math": math, "np": np}
-    exec(compile(source.source, "plain", "exec"), namespace)
-    return namespace[source.entry]
-
-
 def in_process(call, role, infos):
     """What in-process evaluation says of a function, and the words of a refusal."""
     argument = infos[-1] if role is Role.QUANTITY else infos
@@ -228,9 +219,13 @@ def test_every_kind_of_value_and_refusal(role, function, mugs, layout):
     with Sandbox(layout, functions=[*functions.values(), last]) as sandbox:
         results = sandbox.run(mugs.arrays())
     assert not results.dropped
-    for name, it in functions.items():
+    calls = {
+        name: plain_function(it.source.source, entry=it.source.entry)
+        for name, it in functions.items()
+    }
+    for name in functions:
         for motion in range(3):
-            wanted = in_process(plainly(it.source), role, mugs.infos(motion))
+            wanted = in_process(calls[name], role, mugs.infos(motion))
             assert in_sandbox(results, role, motion, name=name) == wanted, name
 
 
@@ -248,8 +243,9 @@ def test_the_harmless_functions(file, mugs, layout):
     assert not results.refusals
     for line in lines:
         role, name = Role(line["kind"]), line["name"]
+        plain = plain_function(line["code"], entry=line["entry"])
         for motion in range(len(mugs.object_position)):
-            value, _ = in_process(plainly(sources[name]), role, mugs.infos(motion))
+            value, _ = in_process(plain, role, mugs.infos(motion))
             if role is Role.SUCCESS:
                 assert results.success[name][motion] == value
             elif role is Role.FITNESS:

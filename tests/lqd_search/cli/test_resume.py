@@ -95,6 +95,7 @@ def test_a_run_that_is_interrupted_by_the_user_says_how_to_go_on(tmp_path, call)
         (("--failure-competition", "coin"), "--failure-competition"),
         (("--out", "other", "--evaluations", 640), "--out, --evaluations"),
         (("--sample", 0), "--sample"),
+        (("--llm", "live", "--functionals", "."), "--llm, --functionals"),
     ],
 )
 def test_nothing_else_can_be_chosen_anew(copy, call, arguments, given):
@@ -104,8 +105,8 @@ def test_nothing_else_can_be_chosen_anew(copy, call, arguments, given):
 
     assert (status, out) == (2, "")
     assert err == (
-        "lqd: Expected nothing but --threads and --workers beside --resume, since a run goes on as "
-        f"it began, but got {given}; leave it out, or begin another run.\n"
+        "lqd: Expected nothing but --threads, --workers and --allow-weak-sandbox beside --resume, "
+        f"since a run goes on as it began, but got {given}; leave it out, or begin another run.\n"
     )
     assert names(copy) == before
 
@@ -153,16 +154,23 @@ DAMAGE = {
         r"Expected outcomes in \S+000001\.npz, but they cannot be read",
     ),
     "an edited functional": (
-        lambda folder: (folder / "functionals" / "success.py").write_text("def success(_): ..."),
-        r"Expected the functionals in \S+copy to be those of the recorded sample 0, but they",
+        lambda folder: (folder / "functionals" / "success.py").write_text(
+            "# It.\ndef success(_): 1"
+        ),
+        r"Expected the functionals in \S+copy to be those that the run began with, but they were "
+        r"changed; restore them, or begin another run with `lqd run LQD/Faucet-v0 --functionals ",
     ),
     "another functional": (
-        lambda folder: (folder / "functionals" / "fitness.other.py").write_text("x = 3\n"),
-        r"Expected the functionals in \S+copy to be those of the recorded sample 0, but they",
+        lambda folder: (folder / "functionals" / "fitness.other.py").write_text("# It.\nx = 3\n"),
+        r"Expected the functionals in \S+copy to be those that the run began with, but they were",
     ),
-    "no functional": (
-        lambda folder: (folder / "functionals" / "success.py").unlink(),
-        r"Expected the functionals in \S+copy to be those of the recorded sample 0, but they",
+    "another order of the functionals": (
+        lambda folder: (folder / "functionals" / "functionals.json").unlink(),
+        r"Expected the functionals in \S+copy to be those that the run began with, but they were",
+    ),
+    "no condition of success": (
+        lambda folder: [p.unlink() for p in (folder / "functionals").glob("*success.py")],
+        r"Expected functionals with success\.py in \S+copy/functionals, but it holds",
     ),
     "an unknown method": (
         lambda folder: edit(folder, method="ours_minus"),

@@ -1,19 +1,16 @@
 """`lqd run`."""
 
 import csv
-import json
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import lqd_llm
 from lqd_envs import rollout
-from lqd_llm import FunctionSource, build_function
 from lqd_search.cli.run import default_batch_size
 from lqd_search.methods.by_name import METHODS
+from lqd_search.runs.function_text import FUNCTION_KINDS
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.stored_archive import StoredArchive
 
@@ -116,7 +113,7 @@ def test_the_examples_are_simulated_on_the_threads_asked_for(call, tmp_path, mon
         asked.append(threads)
         return rollout(task, solutions, threads=threads)
 
-    monkeypatch.setattr("lqd_search.cli.recorded.rollout", noting)
+    monkeypatch.setattr("lqd_search.cli.checked_functionals.rollout", noting)
     # The batch size is refused after the examples and before the search.
     status, _, _ = call(
         "run", "LQD/Faucet-v0", "--evaluations", 20, "--batch-size", 2, "--threads", 3,
@@ -127,95 +124,12 @@ def test_the_examples_are_simulated_on_the_threads_asked_for(call, tmp_path, mon
     assert asked == [3]
 
 
-def test_a_fitness_that_never_gives_a_number_is_not_explored(call, tmp_path, monkeypatch):
-    infer = lqd_llm.infer_from_recording
-
-    def infer_with_fault(*names, **options):
-        inferred = infer(*names, **options)
-        source = FunctionSource(
-            name="never", description="faulty", code="def fitness(info): return None"
-        )
-        never = build_function(source, kind="fitness", entry="fitness")
-        return replace(inferred, fitness=(never, *inferred.fitness[1:]))
-
-    monkeypatch.setattr(lqd_llm, "infer_from_recording", infer_with_fault)
-    folder = tmp_path / "run"
-
-    status, _, _ = call(
-        "run", "LQD/Faucet-v0", "--evaluations", 80, "--batch-size", 4, "--out", folder
-    )
-
-    figures = json.loads((folder / "summary.json").read_text())
-    assert status == 0
-    assert len(figures["exploration"]) == 2
-    assert "never" not in figures["exploration"]
-    assert any("'never'" in sentence for sentence in figures["dropped"])
-
-
 def test_an_existing_out_is_refused(run, call):
     status, _, err = call("run", "LQD/Faucet-v0", "--out", run[0])
 
     assert status == 2
     assert "Expected a new folder for the run" in err
     assert len(err.strip().splitlines()) == 1
-
-
-def test_a_recording_that_does_not_parse_is_one_sentence_and_status_2(call, tmp_path, monkeypatch):
-    (tmp_path / "faucet-0.json").write_text('{"task": "faucet", ')
-    infer = lqd_llm.infer_from_recording
-    monkeypatch.setattr(
-        lqd_llm,
-        "infer_from_recording",
-        lambda *names, **options: infer(*names, **options, directory=tmp_path),
-    )
-
-    status, _, err = call("run", "LQD/Faucet-v0", "--out", tmp_path / "run")
-
-    assert status == 2
-    assert "faucet-0.json" in err
-    assert len(err.strip().splitlines()) == 1
-    assert not (tmp_path / "run").exists()
-
-
-FAULTY = {
-    "none": "def quantity(info): return None if info['gripper_position'][2] > 0.1 else (1.0, 2.0)",
-    "nan": "def quantity(info): return (1.0, math.nan if info['gripper_position'][2] > 0.1 else 0)",
-    "longer": "def quantity(info): return (1.0,) * (2 + (info['gripper_position'][2] > 0.1))",
-}
-ALWAYS_NONE = "def quantity(info): return None"
-
-
-def test_a_run_goes_on_without_the_values_of_faulty_functionals(call, tmp_path, monkeypatch):
-    infer = lqd_llm.infer_from_recording
-
-    def infer_with_faults(*names, **options):
-        inferred = infer(*names, **options)
-        faulty = [
-            build_function(
-                FunctionSource(name=name, description="faulty", code=code),
-                kind="quantities",
-                entry="quantity",
-            )
-            for name, code in {**FAULTY, "never": ALWAYS_NONE}.items()
-        ]
-        return replace(inferred, quantities=(*inferred.quantities[:1], *faulty))
-
-    monkeypatch.setattr(lqd_llm, "infer_from_recording", infer_with_faults)
-    folder = tmp_path / "run"
-
-    status, _, err = call("run", "LQD/Faucet-v0", *SIZE, "--out", folder)
-
-    figures = json.loads((folder / "summary.json").read_text())
-    words = " ".join(err.split())
-    assert status == 0
-    assert figures["evaluations"] == 640
-    refused = {row["functional"]: row for row in figures["refused"]}
-    assert refused.keys() == FAULTY.keys()
-    for name in FAULTY:
-        assert refused[name]["count"] > 0
-        assert f"the quantity function '{name}' returned" in words
-    assert "for motion" in words
-    assert any("'never'" in sentence for sentence in figures["dropped"])
 
 
 @pytest.mark.parametrize(
@@ -249,10 +163,10 @@ def check_method(call, folder, *, task, method):
             assert words not in out
     if method == "handcrafted":
         assert archive.grids.keys() == {"ground_truth"}
-        assert run.functionals() == {}
+        assert run.functionals() == ()
         assert "Steered by the expert" in out
     else:
-        assert run.functionals().keys() >= {"success.py"}
+        assert {text.kind for text in run.functionals()} == set(FUNCTION_KINDS)
     with (folder / "metrics.csv").open(newline="") as file:
         assert len(list(csv.DictReader(file))) == 20
 

@@ -82,7 +82,7 @@ def test_a_grid_of_its_own_is_one_row(summary, capsys, monkeypatch):
 
 
 def test_what_the_expert_steers_is_said(summary, capsys, monkeypatch):
-    text = printed(summary | {"method": "handcrafted"}, capsys, monkeypatch)
+    text = printed(summary | {"method": "handcrafted", "llm": "none"}, capsys, monkeypatch)
 
     assert "Steered by the expert" in text
     assert "recorded sample" not in text

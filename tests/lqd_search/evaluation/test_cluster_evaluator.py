@@ -14,11 +14,12 @@ import pytest
 from lqd_envs import SolutionSpace, get_task, rollout
 from lqd_search import FunctionalEvaluator, Functionals, Values, ValuesError
 from lqd_search.evaluation.cluster import ClusterError, open_cluster
-from lqd_search.evaluation.cluster_evaluator import ClusterEvaluator
+from lqd_search.evaluation.cluster_evaluator import ClusterEvaluator, evaluate_chunk
 from lqd_search.evaluation.functional_calls import RefusedValueError
 from lqd_search.evaluation.mesh_judge import MeshJudge
 from lqd_search.evaluation.motion_evaluator import MotionEvaluator
 from lqd_search.evaluation.refusals import Refusals
+from lqd_search.evaluation.values import StoppedFunction
 
 SOLUTIONS = np.random.default_rng(0).random((50, 3))
 MARKED = 31
@@ -110,10 +111,10 @@ def bits(values):
     columns = []
     for field in dataclasses.fields(Values):
         column = getattr(values, field.name)
-        if field.name != "refusals":
+        if field.name not in ("refusals", "stopped"):
             for name, array in (column if isinstance(column, dict) else {"": column}).items():
                 columns.append((field.name, name, array.dtype, array.shape, array.tobytes()))
-    return columns, values.refusals
+    return columns, values.refusals, values.stopped
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -200,6 +201,27 @@ def test_a_chunk_that_kills_its_workers_is_given_up(client, tmp_path, monkeypatc
     with pytest.raises(ClusterError, match=r"solutions 24 to 31 .* lost their worker 2 times"):
         evaluate(SOLUTIONS)
     assert len(list(tmp_path.glob("accident-*"))) == 2
+
+
+@dataclass(frozen=True)
+class Stopping:
+    """A recipe of an evaluator that stops a function in its second batch, and from then on."""
+
+    def __call__(self):
+        batches = []
+
+        def evaluate(solutions):
+            batches.append(solutions)
+            stopped = (StoppedFunction("near", "fitness", "was stopped"),) * (len(batches) > 1)
+            return dataclasses.replace(toy_values(solutions), stopped=stopped)
+
+        return evaluate
+
+
+def test_an_evaluator_that_stopped_a_function_is_made_anew():
+    recipe = cloudpickle.dumps(Stopping())
+    parts = [evaluate_chunk(recipe, SOLUTIONS[:8]) for _ in range(5)]
+    assert [len(part.stopped) for part in parts] == [0, 1, 0, 1, 0]
 
 
 @pytest.fixture

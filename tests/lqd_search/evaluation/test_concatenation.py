@@ -38,9 +38,9 @@ def bits(values):
     for field in dataclasses.fields(Values):
         column = getattr(values, field.name)
         for name, array in (column if isinstance(column, dict) else {"": column}).items():
-            if field.name != "refusals":
+            if field.name not in ("refusals", "stopped"):
                 columns[field.name, name] = (array.dtype, array.shape, array.tobytes())
-    return list(columns.items()), values.refusals
+    return list(columns.items()), values.refusals, values.stopped
 
 
 @given(st.lists(st.integers(0, 40), max_size=12), st.lists(st.integers(0, 12), max_size=4))

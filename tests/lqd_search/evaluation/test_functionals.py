@@ -345,7 +345,7 @@ def test_a_quantity_that_fails_on_the_example_cannot_be_used(quantity, reason):
     assert re.match(
         f"The quantity function 'bad' is not used: .* 2 example .* it {reason}", sentence
     )
-    with pytest.raises(FunctionalError, match=r"there is none: .*Correct one, or infer others"):
+    with pytest.raises(FunctionalError, match=r"there is none: .*Correct one, or add others"):
         FunctionalEvaluator(functionals(quantities={"bad": quantity}), examples=[moment(0.0)])
 
 

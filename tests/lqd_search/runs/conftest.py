@@ -62,7 +62,12 @@ class RecordedRun:
                 raise EnoughError
 
         recorder = RunRecorder(
-            self.folder, task=TASK, state=state, on_generation=note, on_refusal=lambda *_: None
+            self.folder,
+            task=TASK,
+            state=state,
+            on_generation=note,
+            on_refusal=lambda *_: None,
+            on_stopped=lambda _: None,
         )
         try:
             search(state.method, evaluate, observe=recorder.observe)
@@ -113,12 +118,14 @@ def new_run(tmp_path):
             batch_size=32,
             explored=2,
             failure_competition="fitness",
+            llm="folder",
             prompt_hashes={},
             model="none",
             provenance="written by hand",
-            dropped=(),
+            functionals="abc",
+            lengths={},
         )
-        text = FunctionText("success", "near", "Whether it is near.", "def success(infos): ...")
+        text = FunctionText("success", "success", "Whether it is near.", "def success(infos): ...")
         folder = RunFolder.create(tmp_path / name, config=config, functionals=[text])
         return RecordedRun(folder, RunState(METHODS[method](evaluations, **options)))
 

@@ -22,6 +22,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+import lqd_search.cli.run  # noqa: F401  main imports it when it is called, which takes seconds
 from lqd_search.cli.main import main
 
 _EVENTS = ("os.rename", "os.mkdir", "os.remove", "os.rmdir")

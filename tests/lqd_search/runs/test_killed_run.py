@@ -119,9 +119,13 @@ def check(server, task, method, *, kills, seed):
     assert status == 0, server.printed()
     course = Course(operations, method)
     rng = np.random.default_rng(0)
-    # One while the checkpoint is being removed, the others anywhere up to the end of the results.
+    # One in the first generation, one while the checkpoint is being removed, the others anywhere
+    # up to the end of the results.
+    first = int(rng.integers(course.complete[1]))
+    rest = np.arange(first + 1, course.finished)
     moments = [
-        *sorted(rng.choice(course.finished, kills - 1, replace=False).tolist()),
+        first,
+        *sorted(rng.choice(rest, kills - 2, replace=False).tolist()),
         int(rng.integers(course.finished, course.length)),
     ]
     folder = RunFolder(server.folder / f"{method}-killed")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from lqd_search.runs.function_text import FunctionText
+from lqd_search.runs.functionals_folder import FunctionalsFolderError
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder, refuse_existing
 from lqd_search.runs.run_folder_error import RunFolderError
@@ -23,10 +24,14 @@ def config() -> RunConfig:
         batch_size=32,
         explored=3,
         failure_competition="fitness",
+        llm="folder",
         prompt_hashes={"success": "abc"},
         model="none",
         provenance="written by hand",
+        functionals="def",
+        lengths={"place": 3},
         dropped=("one sentence",),
+        usage={"requests": 5, "cost": None},
     )
 
 
@@ -51,25 +56,45 @@ def test_versions_of_all_that_can_change_a_result_are_kept(folder):
     assert set(versions) >= {"python", "mujoco", "numpy", "ribs", "gymnasium-robotics", "scipy"}
 
 
-def test_functionals_are_kept_as_text(folder):
-    files = {file.name: file.read_text() for file in (folder.path / "functionals").iterdir()}
+def test_functionals_are_kept_as_text_in_their_order(folder):
+    files = {file.name: file.read_text() for file in (folder.path / "functionals").glob("*.py")}
 
     assert files == {
         "success.py": "# Whether it is done.\ndef success(infos): ...\n",
         "fitness.nearness.py": "# How near.\ndef fitness(info):\n    return 0.0\n",
     }
+    assert folder.functionals() == (SUCCESS, FITNESS)
 
 
-def test_the_success_is_called_success_whatever_its_name(tmp_path):
-    texts = [
-        replace(SUCCESS, name="tap_is_open"),
-        FunctionText("fitness", "fitness", "How near.", "def fitness(info): ..."),
-        FunctionText("quantity", "quantity", "Where.", "def quantity(info): ..."),
-    ]
-    folder = RunFolder.create(tmp_path / "run", config=config(), functionals=texts)
+def test_where_the_expert_steers_there_are_no_functionals(tmp_path):
+    expert = replace(config(), functionals="")
+    folder = RunFolder.create(tmp_path / "run", config=expert, functionals=[])
 
-    files = {file.name for file in (folder.path / "functionals").iterdir()}
-    assert files == {"success.py", "fitness.fitness.py", "quantity.quantity.py"}
+    assert folder.functionals() == ()
+    assert not (folder.path / "functionals").exists()
+
+
+def test_what_was_asked_and_answered_is_copied(tmp_path):
+    asked = tmp_path / "asked"
+    asked.mkdir()
+    (asked / "one.json").write_text("{}")
+    folder = RunFolder.create(
+        tmp_path / "run", config=config(), functionals=[SUCCESS], inference=asked
+    )
+
+    assert (folder.path / "inference" / "one.json").read_text() == "{}"
+    assert (asked / "one.json").exists()
+
+
+def test_a_functional_that_cannot_have_a_file_makes_no_folder(tmp_path):
+    with pytest.raises(
+        FunctionalsFolderError, match=r"as the name of a fitness, but got '../near'"
+    ):
+        RunFolder.create(
+            tmp_path / "run", config=config(), functionals=[replace(FITNESS, name="../near")]
+        )
+
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_existing_folder_is_never_written_into(folder):
@@ -241,7 +266,7 @@ def test_a_damaged_configuration_is_named(folder, text, message):
         ({"versions": {"numpy": 2}}, "Expected a string at 'versions.numpy', but got 2"),
         ({"dropped": [None]}, r"Expected a string at 'dropped\[0\]', but got None"),
         ({"prompt_hashes": 3}, "Expected an object at 'prompt_hashes', but got 3"),
-        ({"format": 2.0}, "Expected an integer at 'format', but got 2.0"),
+        ({"format": 3.0}, "Expected an integer at 'format', but got 3.0"),
     ],
 )
 def test_a_configuration_with_another_value_is_named(folder, change, message):
@@ -257,7 +282,7 @@ def test_another_layout_is_refused(folder, more):
     data = json.loads((folder.path / "config.json").read_text())
     (folder.path / "config.json").write_text(json.dumps(data | {"format": 99} | more))
 
-    with pytest.raises(RunFolderError, match=r"Expected the layout 2 in .*, got 99"):
+    with pytest.raises(RunFolderError, match=r"Expected the layout 3 in .*, got 99"):
         RunFolder.open(folder.path)
 
 

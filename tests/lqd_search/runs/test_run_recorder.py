@@ -31,7 +31,8 @@ def test_a_finished_run_holds_its_results_and_nothing_else(new_run, method):
 
     grids = {f"pictures/grid.{name}.png" for name in run.folder.archive().grids}
     pictures = {"pictures/curves.png", "pictures/ground_truth.png", *grids}
-    assert files_of(run.folder) == {*RESULTS, "config.json", "functionals/success.py", *pictures}
+    functionals = {"functionals/success.py", "functionals/functionals.json"}
+    assert files_of(run.folder) == {*RESULTS, "config.json", *functionals, *pictures}
     assert len(grids) == (2 if method == "ours" else 0)
     assert run.folder.finished
     summary, outcomes = run.folder.summary(), run.folder.outcomes()
