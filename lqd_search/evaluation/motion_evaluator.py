@@ -1,6 +1,7 @@
 """From solutions to values: simulate, judge, and note what only a report may know."""
 
 from collections import deque
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -8,7 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs import Task, Trajectories, rollout
+from lqd_envs import SolutionSpace, Task, Trajectories
+from lqd_envs.motion import MotionPlan, plan_motions
+from lqd_envs.rollout import simulate
+from lqd_envs.scene import Scene, load_scene
 from lqd_search.evaluation.concatenation import concatenate_values
 from lqd_search.evaluation.contact import CONTACT, first_contacts
 from lqd_search.evaluation.judge import Judge
@@ -26,6 +30,9 @@ DIGEST = "digest"
 """Passive column: (N,) uint64, a fingerprint of the motion's perception."""
 VERDICT = "verdict"
 """Passive column: (N,) uint8, an `lqd_envs.Verdict` each."""
+
+# How many chunks are planned or simulated at most while one is judged.
+_AHEAD = 2
 
 
 def passive_fields(task: Task) -> "FieldDesc":
@@ -55,7 +62,8 @@ class MotionEvaluator:
         while not method.done:
             method.tell(evaluate(method.ask()))
 
-    The motions of one chunk are judged while those of the next are simulated.
+    The motions of one chunk are judged while those of the next are simulated, and those after
+    them are planned.
 
     Attributes:
         task: The task.
@@ -71,18 +79,28 @@ class MotionEvaluator:
 
     def __call__(self, solutions: NDArray[np.float64]) -> Values:
         """Evaluate (N, 9) solutions; the values carry four passive columns and the contacts."""
-        starts = range(0, max(len(solutions), 1), self.chunk)
-        parts: list[Values] = []
-        # Physics needs no Python, so a thread is enough to let both go on at the same time.
-        with ThreadPoolExecutor(max_workers=1) as pool:
+        return concatenate_values(list(map(self._judged, self._simulated(solutions))))
+
+    def _simulated(self, solutions: NDArray[np.float64]) -> Iterator[Trajectories]:
+        """Yield the motions chunk by chunk, while the next ones are planned and simulated."""
+        scene = load_scene(self.task)
+        checked = SolutionSpace().require_feasible(solutions)
+        # Most of planning is Python, physics needs none: with a thread for each, all CPUs are busy.
+        with ThreadPoolExecutor(1) as planner, ThreadPoolExecutor(1) as simulator:
             simulated = deque[Future[Trajectories]]()
-            for start in starts:
-                chunk = solutions[start : start + self.chunk]
-                simulated.append(pool.submit(rollout, self.task, chunk, threads=self.threads))
-                if len(simulated) > 1:
-                    parts.append(self._judged(simulated.popleft().result()))
-            parts.append(self._judged(simulated.popleft().result()))
-        return concatenate_values(parts)
+            for start in range(0, max(len(checked), 1), self.chunk):
+                chunk = checked[start : start + self.chunk]
+                plan = planner.submit(plan_motions, scene, chunk, threads=self.threads)
+                simulated.append(simulator.submit(self._simulate, scene, chunk, plan))
+                if len(simulated) > _AHEAD:
+                    yield simulated.popleft().result()
+            while simulated:
+                yield simulated.popleft().result()
+
+    def _simulate(
+        self, scene: Scene, solutions: NDArray[np.float64], plan: Future[MotionPlan]
+    ) -> Trajectories:
+        return simulate(scene, solutions, plan.result(), threads=self.threads)
 
     def _judged(self, trajectories: Trajectories) -> Values:
         return replace(
