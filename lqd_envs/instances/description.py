@@ -111,10 +111,10 @@ def _change(change: SceneChange) -> str:
     scales = {
         "the friction of contacts": change.contact_friction,
         "the dry friction of its joints": change.joint_friction,
-        "their damping": change.damping,
+        "the damping of its joints": change.damping,
         "its mass": change.mass,
     }
-    parts += [f"{what} is {scale:.2f} times" for what, scale in scales.items() if scale != 1.0]
+    parts += [f"{what} is scaled by {scale:.2f}" for what, scale in scales.items() if scale != 1.0]
     return f"The object is changed: {', '.join(parts) or 'by nothing'}."
 
 

@@ -1,0 +1,122 @@
+"""The tables of one task and one kind of instances."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from benchmarks.instances.declared import EXPERT, FILTERS, INFERRED, SIZES, TRIES
+from benchmarks.instances.figures import CONTROL, RANDOM, Figure, SomeMotion, Success
+from benchmarks.instances.results import Results
+from benchmarks.instances.two_way import Rate
+from benchmarks.tables.markdown import markdown_table
+from benchmarks.tables.spread import NOTHING
+from lqd_search.adaptation import SELECTORS
+
+_TRIES_BY_SIZE = 5
+
+
+def kind_section(results: Results, task: str, kind: str) -> str:
+    """Return the tables of one task and one kind of instances."""
+    solvable, left_out = results.solvable(task, kind), results.left_out(task, kind)
+    drawn = len(results.instances[task, kind])
+    names = ", ".join(f"`{instance.name}`" for instance in left_out)
+    head = (
+        f"{len(solvable)} of {drawn} instances are solved by a motion of some run; the others are "
+        f"left out: {names}."
+        if left_out
+        else f"All {drawn} instances are solved by a motion of some run."
+    )
+    if not solvable:
+        return head
+    return "\n\n".join(
+        [
+            head,
+            archive_table(results, task, kind),
+            "Success@k: one of the first k motions that are tried solves the instance.",
+            success_table(results, task, kind),
+            "Some motion of a random subset of the archive solves the instance, by its size:",
+            size_table(results, task, kind),
+            f"Success@{_TRIES_BY_SIZE}, choosing from a random subset of the archive, by its size:",
+            success_size_table(results, task, kind),
+        ]
+    )
+
+
+def archive_table(results: Results, task: str, kind: str) -> str:
+    """Return what whole archives are worth, beside the best single motion of each."""
+    head = ["method", "runs"]
+    for by in FILTERS:
+        head += [
+            f"{by}: motions",
+            "judged",
+            "some motion solves it",
+            "the best single motion does",
+        ]
+    rows = []
+    for method in results.methods(task):
+        row = [method, str(len(results.runs(task, method)))]
+        for by in FILTERS:
+            figures = [run[0] for run in results.figures(task, kind, method, by)]
+            rates = results.rates(task, kind, method, by)
+            row += [
+                f"{np.median([one.motions for one in figures]):,.0f}",
+                f"{np.median([one.judged for one in figures]):,.0f}",
+                rates[SomeMotion()].text,
+                rates[CONTROL].text,
+            ]
+        rows.append(row)
+    return markdown_table(head, rows, words=1)
+
+
+def success_table(results: Results, task: str, kind: str) -> str:
+    """Return what selectors make of whole archives, beside choosing at random."""
+    head = ["method", "choice", *(f"{by}: @{k}" for by in FILTERS for k in TRIES)]
+    rows = []
+    for method in results.methods(task):
+        for selector in (*SELECTORS, RANDOM):
+            figures = [Success(selector, k) for k in TRIES]
+            cells = [
+                _text(results.rates(task, kind, method, by), figure)
+                for by in (INFERRED, EXPERT)
+                for figure in figures
+            ]
+            rows.append([method, selector, *cells])
+    return markdown_table(head, rows, words=2)
+
+
+def size_table(results: Results, task: str, kind: str) -> str:
+    """Return the probability that some motion of a random subset solves an instance."""
+    rows = []
+    for method in results.methods(task):
+        rates = results.rates(task, kind, method, INFERRED)
+        cells = [_text(rates, SomeMotion(size)) for size in SIZES]
+        rows.append([method, *cells, rates[SomeMotion()].text])
+    return _size_table(["method"], rows)
+
+
+def success_size_table(results: Results, task: str, kind: str) -> str:
+    """Return the success of a few tries, chosen from a random subset."""
+    rows = []
+    for method in results.methods(task):
+        rates = results.rates(task, kind, method, INFERRED)
+        for selector in SELECTORS:
+            by_size = [Success(selector, _TRIES_BY_SIZE, size) for size in SIZES]
+            cells = [_text(rates, figure) for figure in by_size]
+            rows.append([method, selector, *cells, rates[Success(selector, _TRIES_BY_SIZE)].text])
+    return _size_table(["method", "choice"], rows)
+
+
+def _size_table(words: list[str], rows: list[list[str]]) -> str:
+    head = [*words, *(f"{size:,}" for size in SIZES), "whole"]
+    # Sizes that no archive has are no columns.
+    kept = [
+        i
+        for i in range(len(head))
+        if not len(words) <= i < len(head) - 1 or any(row[i] != NOTHING for row in rows)
+    ]
+    shown = [[row[i] for i in kept] for row in rows]
+    return markdown_table([head[i] for i in kept], shown, words=len(words))
+
+
+def _text(rates: Mapping[Figure, Rate], figure: Figure) -> str:
+    return rates[figure].text if figure in rates else NOTHING

@@ -1,0 +1,248 @@
+"""`python -m benchmarks.instances`."""
+
+import csv
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from benchmarks.instances import __main__ as instances
+from benchmarks.instances import report
+from benchmarks.instances.figures import CONTROL, SomeMotion, Success, by_size, whole_archive
+from benchmarks.instances.judged_run import InstancesError
+from benchmarks.instances.judgement import FilterFigures
+from benchmarks.instances.judging import Judging
+from lqd_envs.instances import InstanceError
+
+COUNT = ("--count", "2", "--jobs", "1")
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Draw no picture, which takes seconds, and say which would have been drawn."""
+    names = []
+    monkeypatch.setattr(report, "figure_files", lambda name, _: names.append(name) or {})
+    return names
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(instances.main, [str(a) for a in arguments], catch_exceptions=False)
+
+
+def rows_of(out):
+    with (out / "instances.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def runs(make_run):
+    """Return two runs of one method and one of another, with different archives."""
+    return [
+        make_run("a", rows=slice(0, 8)),
+        make_run("b", rows=slice(0, 4), seed=1),
+        make_run("c", rows=slice(5, 8), method="random"),
+    ]
+
+
+def test_tables_csv_and_pictures_are_written(runs, tmp_path):
+    out = tmp_path / "out"
+
+    result = invoke(*runs, *COUNT, "--out", out)
+
+    assert result.exit_code == 0
+    assert result.stdout.splitlines() == [f"{out}/instances.md", f"{out}/instances.csv"]
+    text = (out / "instances.md").read_text()
+    for kind in ("Predicate", "Obstacles", "Approach", "Change"):
+        assert f"### {kind}\n" in text
+    assert "| ours | 2 | " in text
+    assert "| random | 1 | 3 | 3 |" in text
+    assert "3 runs of 100 evaluations." in text
+    png = (out / "pictures" / "sizes.faucet.png").read_bytes()
+    assert png.startswith(b"\x89PNG")
+    assert (out / "pictures" / "sizes.faucet.svg").stat().st_size > 1000
+    assert len(list((out / "judged").glob("*/*.json"))) == 3 * 4 * 2
+
+
+def test_rates_are_the_means_of_the_judgements(runs, tmp_path, drawn):
+    out = tmp_path / "out"
+    invoke(*runs, *COUNT, "--kinds", "change", "--out", out)
+
+    judged = [json.loads(p.read_text()) for p in (out / "judged").glob("*.ours.*/*.json")]
+    assert len(judged) == 4
+    figures = [one["filters"]["inferred"] for one in judged]
+    solvable = {
+        json.loads(p.read_text())["instance"]
+        for p in (out / "judged").glob("*/*.json")
+        if json.loads(p.read_text())["solved"]
+    }
+    assert len(solvable) == 2
+    (row,) = (
+        row
+        for row in rows_of(out)
+        if (row["method"], row["filter"], row["figure"], row["size"])
+        == ("ours", "inferred", "some motion", "1")
+    )
+    assert float(row["value"]) == pytest.approx(
+        sum(one["solved"] / one["judged"] for one in figures) / 4
+    )
+    assert (row["runs"], row["instances"]) == ("2", "2")
+    assert float(row["low"]) <= float(row["value"]) <= float(row["high"])
+    (row,) = (
+        row
+        for row in rows_of(out)
+        if (row["method"], row["filter"], row["choice"], row["tries"], row["size"])
+        == ("ours", "inferred", "best", "5", "whole")
+    )
+    assert float(row["value"]) == sum(0 < one["first"]["best"] <= 5 for one in figures) / 4
+    assert drawn == ["sizes.faucet"]
+
+
+@pytest.mark.usefixtures("drawn")
+def test_what_no_run_solves_is_named_and_left_out(make_run, tmp_path):
+    out = tmp_path / "out"
+    # Only the motion that stays in the air.
+    result = invoke(make_run(rows=slice(7, 8)), *COUNT, "--kinds", "approach", "--out", out)
+
+    assert result.exit_code == 0
+    text = (out / "instances.md").read_text()
+    head = "0 of 2 instances are solved by a motion of some run; the others are left out: `faucet-"
+    assert head in text
+    assert rows_of(out) == []
+
+
+@pytest.mark.usefixtures("drawn")
+def test_what_one_run_solves_counts_for_all(make_run, tmp_path):
+    out = tmp_path / "out"
+    invoke(
+        make_run("a"),
+        make_run("b", rows=slice(7, 8), method="random"),
+        *(*COUNT, "--kinds", "change", "--out", out),
+    )
+
+    values = {
+        row["method"]: (float(row["value"]), row["instances"])
+        for row in rows_of(out)
+        if (row["filter"], row["figure"], row["size"]) == ("inferred", "some motion", "whole")
+    }
+    assert values == {"ours": (1.0, "2"), "random": (0.0, "2")}
+
+
+@pytest.mark.usefixtures("drawn")
+def test_what_is_judged_is_not_judged_again(runs, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    invoke(*runs[:2], *COUNT, "--out", out)
+    before = {path: path.stat().st_mtime_ns for path in (out / "judged").glob("*/*.json")}
+    asked = []
+    judge = Judging.judge
+
+    def spy(self, wanted):
+        asked.append([instance.kind for instance in wanted])
+        return judge(self, wanted)
+
+    monkeypatch.setattr(Judging, "judge", spy)
+    next(iter((out / "judged").glob("*/faucet-change-*.json"))).unlink()
+
+    result = invoke(*runs, *COUNT, "--out", out)
+
+    assert result.exit_code == 0
+    assert [len(kinds) for kinds in asked] == [1, 8]
+    assert asked[0] == ["change"]
+    after = {path: path.stat().st_mtime_ns for path in (out / "judged").glob("*/*.json")}
+    assert len(after) == 24
+    assert sum(after[path] != then for path, then in before.items()) == 1
+
+
+@pytest.mark.usefixtures("drawn")
+def test_a_run_that_was_stopped_goes_on_and_ends_as_if_it_had_not_been(runs, tmp_path, monkeypatch):
+    whole, parted = tmp_path / "whole", tmp_path / "parted"
+    invoke(*runs, *COUNT, "--out", whole)
+    judge_own, judged = Judging._judge_own, []
+
+    def stop(self, instance):
+        judged.append(instance)
+        if len(judged) == 3:
+            raise KeyboardInterrupt
+        return judge_own(self, instance)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Judging, "_judge_own", stop)
+        patch.setattr("sys.argv", ["instances", "a run", "--count", "2"])
+        stopped = invoke(*runs, *COUNT, "--out", parted)
+    assert stopped.exit_code == 130
+    assert stopped.output.splitlines()[-1] == (
+        "stopped; what has been judged is kept: go on with `python -m benchmarks.instances 'a run' "
+        "--count 2`"
+    )
+    # Four of the task's own dynamics, and two of the others.
+    assert len(list((parted / "judged").glob("*/*.json"))) == 6
+    assert not (parted / "instances.md").exists()
+
+    assert invoke(*runs, *COUNT, "--out", parted).exit_code == 0
+
+    for name in ("instances.md", "instances.csv"):
+        assert (parted / name).read_bytes() == (whole / name).read_bytes()
+
+
+@pytest.mark.usefixtures("drawn")
+def test_without_runs_the_tables_are_those_of_what_is_judged(runs, tmp_path):
+    out = tmp_path / "out"
+    invoke(*runs, *COUNT, "--out", out)
+    before = (out / "instances.csv").read_bytes()
+    (out / "instances.csv").unlink()
+
+    assert invoke(*COUNT, "--out", out).exit_code == 0
+
+    assert (out / "instances.csv").read_bytes() == before
+
+
+@pytest.mark.usefixtures("drawn")
+def test_without_runs_what_is_not_judged_is_an_error(runs, tmp_path):
+    out = tmp_path / "out"
+    invoke(runs[0], *COUNT, "--out", out)
+
+    with pytest.raises(InstancesError, match=r"Expected what faucet\.ours\.\S+ came to in"):
+        invoke("--count", 3, "--out", out)
+    with pytest.raises(InstancesError, match="Expected runs to judge, or judgements in"):
+        invoke(*COUNT, "--out", tmp_path / "nothing")
+
+
+def test_unknown_kinds_are_refused(runs, tmp_path):
+    with pytest.raises(InstanceError, match="Expected kinds among predicate, obstacles, approach"):
+        invoke(runs[0], "--kinds", "change,weather", "--out", tmp_path / "out")
+
+
+FIGURES = FilterFigures(
+    motions=100,
+    judged=50,
+    solved=10,
+    first={"best": 3, "diverse": 0},
+    subsets={"best": {"1": (4, 4, 4), "2": (5, 6, 6)}, "diverse": {"1": (4, 4, 4)}},
+)
+
+
+@pytest.mark.parametrize(
+    ("figure", "expected"),
+    [
+        (SomeMotion(), 1.0),
+        (SomeMotion(1), 0.2),
+        (SomeMotion(2), 1 - 40 * 39 / (50 * 49)),
+        (CONTROL, 0.0),
+        (Success("best", 5), 1.0),
+        (Success("diverse", 20), 0.0),
+        (Success("random", 1), 0.2),
+        (Success("best", 1, 2), 0.25),
+        (Success("best", 20, 2), 0.3),
+    ],
+)
+def test_figures_by_hand(figure, expected):
+    assert figure.of(FIGURES) == pytest.approx(expected)
+
+
+def test_figures_by_size_reach_up_to_what_was_judged_and_drawn():
+    sizes = {type(f): [] for f in (SomeMotion(), CONTROL)}
+    for figure in by_size(judged=60, cap=20):
+        sizes[type(figure)].append(figure.size)
+
+    assert sizes[SomeMotion] == [1, 2, 5, 10, 20, 50]
+    assert set(sizes[Success]) == {1, 2, 5, 10}
+    assert CONTROL in whole_archive()
