@@ -8,6 +8,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from lqd_envs.scenes.looks import without_looks
 from lqd_envs.scenes.panda import ARM_JOINTS, GRIPPER_SITE, HOME, load_panda
 
 Configurations = NDArray[np.float64]
@@ -167,4 +168,4 @@ def _within_tolerance(error: NDArray[np.float64]) -> NDArray[np.bool_]:
 def _arm_model() -> mujoco.MjModel:
     spec = load_panda()
     spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-    return spec.compile()
+    return without_looks(spec, spec.compile())

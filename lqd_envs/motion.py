@@ -103,7 +103,7 @@ def overlaps(scene: Scene, starts: Configurations, *, threads: int = 0) -> NDArr
     """
     if not len(starts):
         return np.zeros(0, dtype=bool)
-    batch = Batch(scene.model, len(starts), threads)
+    batch = Batch(scene.physics, len(starts), threads)
     sensordata = batch.bind("sensordata")
     batch.bind("qpos")[:] = scene.start_qpos(starts)
     batch.forward(stage=_POS_STAGE)

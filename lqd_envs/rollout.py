@@ -96,7 +96,7 @@ def _simulate_chunk(
     prepare: PrepareBatch | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return (n, 76, nsensordata) sensor values and (n,) whether the simulation warned."""
-    batch = Batch(scene.model, len(rows), threads)
+    batch = Batch(scene.physics, len(rows), threads)
     # From the model's defaults on: a state that was only overwritten keeps warm-start values.
     batch.reset(stage=int(mujoco.mjtStage.mjSTAGE_NONE))
     batch.bind("qpos")[:] = scene.start_qpos(plan.starts[rows])

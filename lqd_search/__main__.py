@@ -8,7 +8,7 @@ def main() -> None:
     try:
         _run()
     except KeyboardInterrupt:
-        # The imports take seconds; once they are done the command says this itself.
+        # While it imports; from then on the command says this itself.
         sys.stderr.write("lqd: stopped\n")
         sys.exit(130)
 

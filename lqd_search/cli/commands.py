@@ -4,6 +4,8 @@ from importlib import import_module
 
 import click
 
+from lqd_envs import LQDError
+
 COMMANDS = {
     "run": "Search for many motions that do a task.",
     "infer": "Ask a language model for the functionals of a task.",
@@ -24,10 +26,21 @@ class Commands(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Return a command; None: there is none of that name."""
+        """Return a command; None: there is none of that name.
+
+        Raises:
+            LQDError: A package that it needs is not installed.
+        """
         if cmd_name not in COMMANDS:
             return None
-        module = import_module(f"lqd_search.cli.{cmd_name}")
+        try:
+            module = import_module(f"lqd_search.cli.{cmd_name}")
+        except ModuleNotFoundError as error:
+            package = (error.name or "").partition(".")[0]
+            raise LQDError(
+                f"Expected the packages of the extra `search`, but {package} is not installed; run "
+                "`pip install 'lqd-envs[all]'`."
+            ) from error
         command: click.Command = getattr(module, f"{cmd_name}_command")
         return command
 

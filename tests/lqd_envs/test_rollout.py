@@ -216,11 +216,11 @@ def with_spring(scene):
     """A function that gives a scene whose hot tap a spring opens."""
 
     def make(stiffness):
-        model = copy.copy(scene.model)
+        model = copy.copy(scene.physics)
         joint = model.joint("hot_tap")
         model.jnt_stiffness[joint.id] = stiffness
         model.qpos_spring[joint.qposadr[0]] = 2.0
-        return replace(scene, model=model)
+        return replace(scene, physics=model)
 
     return make
 
@@ -248,10 +248,10 @@ def test_push_that_the_object_withstands_is_valid(scene, dive):
 
 
 def test_push_into_something_too_soft_is_discarded(scene, dive):
-    model = copy.copy(scene.model)
+    model = copy.copy(scene.physics)
     model.geom_solref[:] = (0.2, 1.0)
 
-    pushed = simulate(replace(scene, model=model), np.zeros((1, 9)), dive)
+    pushed = simulate(replace(scene, physics=model), np.zeros((1, 9)), dive)
 
     assert pushed.verdicts.tolist() == [Verdict.PENETRATING]
     assert pushed.columns.gripper_contacts[0, -1].any()

@@ -41,9 +41,10 @@ def test_importing_the_package_does_not_import_pyribs():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_the_command_says_what_to_install_where_pyribs_is_missing():
+@pytest.mark.parametrize("package", ["ribs", "click"])
+def test_the_command_says_what_to_install_where_a_package_is_missing(package):
     code = (
-        "import sys; sys.modules['ribs'] = None; sys.argv = ['lqd', '--help'];"
+        f"import sys; sys.modules['{package}'] = None; sys.argv = ['lqd', 'run', '--help'];"
         "from lqd_search.__main__ import main; main()"
     )
     result = subprocess.run(
@@ -52,7 +53,7 @@ def test_the_command_says_what_to_install_where_pyribs_is_missing():
 
     assert result.returncode == 2
     assert result.stderr == (
-        "lqd: Expected the packages of the extra `search`, but ribs is not installed; run "
+        f"lqd: Expected the packages of the extra `search`, but {package} is not installed; run "
         "`pip install 'lqd-envs[all]'`.\n"
     )
 
@@ -67,7 +68,7 @@ class Interrupt:
             raise KeyboardInterrupt
 
 sys.meta_path.insert(0, Interrupt())
-sys.argv = ["lqd", "--help"]
+sys.argv = ["lqd", "run", "--help"]
 from lqd_search.__main__ import main
 main()
 """
@@ -76,4 +77,4 @@ main()
     )
 
     assert result.returncode == 130
-    assert result.stderr == "lqd: stopped\n"
+    assert result.stderr.strip() == "lqd: stopped"

@@ -55,6 +55,7 @@ def killed(tmp_path_factory):
     return store, before, kept_before, finished, outcome
 
 
+@pytest.mark.slow
 def test_a_cell_that_was_killed_goes_on_where_it_was(killed):
     store, before, kept_before, finished, outcome = killed
 

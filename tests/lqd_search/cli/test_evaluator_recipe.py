@@ -210,6 +210,7 @@ def test_a_run_that_goes_on_does_not_call_what_was_stopped():
     assert made == []
 
 
+@pytest.mark.slow
 def test_the_values_of_two_workers_are_those_of_one():
     recipe = recipe_of(**STALLING)
     with open_cluster("local:2") as client:
@@ -284,6 +285,7 @@ class Killing:
                 self.kills += 1
 
 
+@pytest.mark.slow
 def test_killing_the_sandbox_at_random_moments_of_a_search_changes_nothing():
     recipe = recorded_recipe(FAUCET, method="ours", sample=0, threads=1)
     texts = recipe.functions
@@ -298,6 +300,7 @@ def test_killing_the_sandbox_at_random_moments_of_a_search_changes_nothing():
         assert sandbox.dropped == ()
 
 
+@pytest.mark.slow
 def test_a_search_goes_on_without_a_fitness_that_was_stopped():
     recipe, seen = recipe_of(height="while True:\n        pass"), []
     evaluate = lasting(recipe)

@@ -92,6 +92,7 @@ def test_one_that_fails_its_check_is_named_with_its_line(call, tmp_path, functio
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_without_values_that_no_example_warned_of(call, tmp_path, functionals):
     # The examples do not see it: at each moment there is a chance of one in two hundred.
     rare = "info['gripper_position'][0] * 1e9 % 1.0 < 0.005"
@@ -117,6 +118,7 @@ def test_a_run_goes_on_without_values_that_no_example_warned_of(call, tmp_path, 
         assert f"the quantity function '{name}' returned" in " ".join(err.split())
 
 
+@pytest.mark.slow
 def test_one_that_is_stopped_is_said_and_not_called_any_more(call, tmp_path, functionals):
     write(functionals, "fitness.endless.py",
           "def fitness(info):\n"
