@@ -69,6 +69,7 @@ def test_a_cell_that_was_killed_goes_on_where_it_was(killed):
     assert spent(store.run_folder(CELL)) == EVALUATIONS
 
 
+@pytest.mark.slow
 def test_the_figures_are_those_of_the_run(killed):
     store, *_ = killed
     figures = store.load([CELL])[CELL]

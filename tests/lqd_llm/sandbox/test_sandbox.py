@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -164,7 +165,9 @@ def test_nobody_answers_for_the_memory_that_another_left_behind(function, mugs, 
         function(Role.SUCCESS, *leaves_all, name="leaves all"),
         function(Role.FITNESS, "return float(len([0.0] * 300_000))", name="needs some"),
     ]
-    with Sandbox(layout, functions=functions, limits=QUICK) as sandbox:
+    # How long it takes to fill the memory is not what matters here.
+    limits = replace(QUICK, cpu_seconds=10.0)
+    with Sandbox(layout, functions=functions, limits=limits) as sandbox:
         results = sandbox.run(mugs.rows(np.arange(3)).arrays())
         assert sandbox.dropped == ()
     assert results.success["leaves all"].tolist() == [False] * 3

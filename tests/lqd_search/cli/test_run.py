@@ -76,15 +76,6 @@ def test_the_code_in_the_description_of_the_run_folder_runs(run, monkeypatch, ca
     assert printed[1].endswith(printed[0])
 
 
-def test_the_same_seed_gives_the_same_archive_with_another_number_of_threads(run, tmp_path, call):
-    folder = tmp_path / "two"
-
-    status, _, _ = call("run", "LQD/Faucet-v0", *SIZE, "--seed", 4, "--threads", 2, "--out", folder)
-
-    assert status == 0
-    assert (folder / "archive.npz").read_bytes() == (run[0] / "archive.npz").read_bytes()
-
-
 def test_another_seed_gives_another_archive(call, tmp_path):
     archives = []
     for seed in (4, 5):
@@ -171,11 +162,11 @@ def check_method(call, folder, *, task, method):
         assert len(list(csv.DictReader(file))) == 20
 
 
-# On the other tasks, and ours_plus on this one, they take minutes.
+# On the other tasks they take minutes; that ours runs on this one is seen above.
 @pytest.mark.parametrize(
     "method",
     [
-        pytest.param(name, marks=pytest.mark.slow) if name == "ours_plus" else name
+        pytest.param(name, marks=pytest.mark.slow) if name.startswith("ours") else name
         for name in METHODS
     ],
 )

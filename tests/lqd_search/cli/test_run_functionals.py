@@ -49,9 +49,13 @@ def test_everything_that_was_inferred_is_kept(run):
     assert not list(run[0].parent.glob(".*"))
 
 
-def test_the_functionals_of_a_run_give_the_same_run_again(run, call, tmp_path, functionals):
+def test_the_functionals_of_a_run_give_the_same_run_again_on_other_threads(
+    run, call, tmp_path, functionals
+):
     again = tmp_path / "again"
-    status, out, _ = call("run", TASK, *SIZE, "--functionals", functionals, "--out", again)
+    status, out, _ = call(
+        "run", TASK, *SIZE, "--threads", 2, "--functionals", functionals, "--out", again
+    )
 
     assert status == 0
     assert "Functionals: model claude" in out

@@ -186,6 +186,7 @@ def test_a_chunk_whose_worker_dies_is_evaluated_again(client, tmp_path, capfd):
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_a_worker_that_hangs_is_restarted(client, tmp_path):
     recipe = Toy(tmp_path, hang, times=1)
     evaluate = ClusterEvaluator(client, recipe, chunk=8, patience=2.0)

@@ -33,6 +33,7 @@ def test_a_solution_that_is_rejected_cannot_be_replayed(motions):
         replay(TASK, motions.solutions[row])
 
 
+@pytest.mark.slow
 def test_frames_are_collected_one_for_each_info(motions):
     row = np.flatnonzero(motions.valid)[0]
     try:
