@@ -24,8 +24,9 @@ $(INSTALLED): pyproject.toml constraints.txt
 demo: $(INSTALLED) ## Run the faucet search at 8,192 evaluations (a minute or two)
 	$(BIN)/lqd run LQD/Faucet-v0 --evaluations 8192
 
+# In the order of the files: by their number of tests, the longest would come last and alone.
 test: $(INSTALLED) ## Run the fast tests
-	$(BIN)/python -m pytest -m 'not slow' --numprocesses auto --dist loadfile
+	$(BIN)/python -m pytest -m 'not slow' --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 test-slow: $(INSTALLED) ## Run the tests that take minutes
 	$(BIN)/python -m pytest -m slow
