@@ -1,12 +1,14 @@
 """Carrying out one solution in an instance, step by step, in the single Gymnasium env."""
 
+from dataclasses import replace
+
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs import Info, get_task, rollout
+from lqd_envs import get_task, rollout
 from lqd_envs.instances import Instance
-from lqd_search.runs.replay import Frame, Replay, ReplayError
+from lqd_search.runs.replay import Replay, ReplayError, play
 
 
 def replay_in(
@@ -34,25 +36,6 @@ def replay_in(
             f"Expected a solution that can be carried out in {instance.name}, but its start is "
             "unreachable or overlaps the scene; choose another."
         )
-    infos: list[Info] = []
-    frames: list[Frame] = []
-    success = False
     env = gym.make(instance.task, render_mode=render_mode, instance=instance)
-    try:
-        _, info = env.reset(options={"arm": batch.plan.starts[0]})
-        for action in (None, *batch.plan.actions[0]):
-            if action is not None:
-                _, _, _, _, info = env.step(action)
-            success = bool(info.pop("is_success"))
-            infos.append(info)  # type: ignore[arg-type] # without it, it is an Info
-            if render_mode == "rgb_array":
-                frames.append(np.asarray(env.render()))
-    finally:
-        env.close()
-    return Replay(
-        infos=infos,
-        success=success and bool(batch.valid[0]),
-        same_as_batch=infos == batch.infos(0),
-        digest=int(batch.digests()[0]),
-        frames=tuple(frames),
-    )
+    shown = play(env, batch)
+    return replace(shown, success=shown.success and bool(batch.valid[0]))

@@ -7,7 +7,7 @@ import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs import Infos, LQDError, rollout
+from lqd_envs import Infos, LQDError, Trajectories, rollout
 
 Frame = NDArray[np.uint8]
 
@@ -53,7 +53,19 @@ def replay(task: str, solution: NDArray[np.float64], *, render_mode: str | None 
             "Expected a solution that can be carried out, but this one is rejected here: its "
             "start is unreachable or overlaps the scene; was it found by another version?"
         )
-    env = gym.make(task, render_mode=render_mode)
+    return play(gym.make(task, render_mode=render_mode), batch)
+
+
+def play(env: gym.Env[Any, Any], batch: Trajectories) -> Replay:
+    """Carry out the one motion of a batch rollout in an env, step by step, and close the env.
+
+    Args:
+        env: An env of the batch's task.
+        batch: The rollout, of a single motion that was simulated.
+
+    Raises:
+        RenderingError: Pictures were asked for and cannot be drawn here.
+    """
     try:
         infos, success, frames = _play(env, batch.plan.starts[0], batch.plan.actions[0])
     finally:
