@@ -1,13 +1,14 @@
 """Reading a finished run folder as the figures of a cell."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_figures import CellError, CellFigures, Curve, Verdicts
+from lqd_search.runs.metrics_rows import read_metrics
 from lqd_search.runs.run_folder import RunFolder
+from lqd_search.runs.run_folder_error import RunFolderError
 from lqd_search.runs.stored_archive import StoredArchive
 
 
@@ -71,16 +72,15 @@ def read_curve(path: Path) -> Curve:
         CellError: It is missing, or is not one.
     """
     try:
-        with path.open(newline="") as file:
-            rows = list(csv.DictReader(file))
-        return Curve(
-            **{name: tuple(int(row[name]) for row in rows) for name in Curve.__annotations__}
-        )
-    except (OSError, KeyError, TypeError, ValueError) as error:
+        rows = read_metrics(path)
+    except RunFolderError as error:
         raise CellError(
-            f"Expected a row for each generation in {path}, but it cannot be read ({error}); "
-            "delete the run, and the cell is run again."
+            f"Expected a row for each generation in {path}, but it cannot be read "
+            f"({error.__cause__}); delete the run, and the cell is run again."
         ) from error
+    return Curve(
+        **{name: tuple(getattr(row, name) for row in rows) for name in Curve.__annotations__}
+    )
 
 
 def _verdicts(archive: StoredArchive) -> Verdicts:

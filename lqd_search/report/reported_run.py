@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lqd_envs import Task, get_task
-from lqd_search.report.metrics_rows import read_metrics
 from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.metrics import Metrics
+from lqd_search.runs.metrics_rows import read_metrics
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.stored_archive import StoredArchive

@@ -1,7 +1,7 @@
 import pytest
 
-from lqd_search.report.metrics_rows import read_metrics
 from lqd_search.runs.metrics_file import MetricsFile
+from lqd_search.runs.metrics_rows import read_metrics
 from lqd_search.runs.run_folder_error import RunFolderError
 
 
