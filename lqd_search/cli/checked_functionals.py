@@ -147,7 +147,7 @@ def _function_check(task: Task, *, threads: int, allow_weak: bool) -> "FunctionC
         from lqd_llm import FunctionCheck, perception_layout
     trajectories = rollout(task, example_solutions(task), threads=threads)
     columns = trajectories.columns.rows(np.flatnonzero(trajectories.valid))
-    return FunctionCheck(perception_layout(columns), columns.arrays(), allow_weak=allow_weak)
+    return FunctionCheck(perception_layout(task.schema), columns.arrays(), allow_weak=allow_weak)
 
 
 def _texts(inferred: "InferredFunctionals") -> Iterator[FunctionText]:

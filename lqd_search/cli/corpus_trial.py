@@ -56,18 +56,13 @@ def _example_motions(
     task: Task, *, threads: int
 ) -> tuple["InfoLayout", Mapping[str, NDArray[Any]]]:
     """Return valid motions of a task, some that touch and move the object among them."""
-    from lqd_llm.sandbox import InfoLayout
+    from lqd_llm import perception_layout
 
     trajectories = rollout(task, example_solutions(task), threads=threads)
     valid = np.flatnonzero(trajectories.valid)
     spread = np.linspace(0, len(valid) - 1, min(_MOTIONS, len(valid))).astype(np.intp)
     columns = trajectories.rows(valid[spread]).columns
-    names = {
-        "gripper_contacts": columns.schema.links,
-        "joint_positions": [joint.name for joint in columns.schema.joints],
-    }
-    arrays = columns.arrays()
-    return InfoLayout.of(arrays, names=names), arrays
+    return perception_layout(task.schema), columns.arrays()
 
 
 def _print(outcome: "CorpusOutcome") -> None:

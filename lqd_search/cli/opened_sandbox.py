@@ -1,38 +1,14 @@
 """The sandbox that a run's functionals are called in."""
 
 from collections.abc import Iterable, Sequence
-from typing import get_type_hints
 
-from lqd_envs.perception import Info, PerceptionSchema, Vector3
+from lqd_envs.perception import PerceptionSchema
+from lqd_llm import perception_layout
 from lqd_llm.recorded_code import is_recorded
-from lqd_llm.sandbox import InfoLayout, Role, Sandbox, SandboxedFunction, check_source
-from lqd_llm.sandbox.info_layout import InfoKey, InfoKind
+from lqd_llm.sandbox import Role, Sandbox, SandboxedFunction, check_source
 from lqd_search.evaluation.direct_judge import DIRECT
 from lqd_search.evaluation.values import StoppedFunction
 from lqd_search.runs.function_text import DIRECT_KINDS, SINGLE_KINDS, FunctionText
-
-_KINDS = {
-    Vector3: InfoKind.VECTOR,
-    bool: InfoKind.FLAG,
-    dict[str, bool]: InfoKind.FLAGS,
-    dict[str, float]: InfoKind.NUMBERS,
-}
-
-
-def info_layout(schema: PerceptionSchema) -> InfoLayout:
-    """Return how the sandbox makes infos of a task's columns.
-
-    Args:
-        schema: The task's perception schema.
-    """
-    joints = tuple(joint.name for joint in schema.joints)
-    names = {"gripper_contacts": schema.links, "joint_positions": joints}
-    return InfoLayout(
-        tuple(
-            InfoKey(key, _KINDS[hint], names.get(key, ()))
-            for key, hint in get_type_hints(Info).items()
-        )
-    )
 
 
 def sandboxed(text: FunctionText) -> SandboxedFunction:
@@ -84,5 +60,5 @@ def open_sandbox(
     # Code that ships with the package can be read by anybody, and was.
     recorded = all(is_recorded(text.code) for text in functions)
     return Sandbox(
-        info_layout(schema), functions=called, allow_weak=allow_weak or recorded
+        perception_layout(schema), functions=called, allow_weak=allow_weak or recorded
     ).__enter__()

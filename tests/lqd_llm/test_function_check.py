@@ -39,7 +39,7 @@ def candidate(entry, *body, name="it", before=""):
 @pytest.fixture(scope="module")
 def check(motions):
     limits = Limits(cpu_seconds=0.2, memory_bytes=200 << 20)
-    return FunctionCheck(perception_layout(motions), motions.arrays(), limits=limits).check
+    return FunctionCheck(perception_layout(motions.schema), motions.arrays(), limits=limits).check
 
 
 GOOD = {
@@ -208,7 +208,7 @@ def test_no_example_motion(motions):
     none = motions.rows(np.arange(0))
 
     with pytest.raises(InferenceError, match=r"^Expected at least one example motion"):
-        FunctionCheck(perception_layout(none), none.arrays())
+        FunctionCheck(perception_layout(none.schema), none.arrays())
 
 
 def missing_lock(self, _told):
@@ -218,7 +218,7 @@ def missing_lock(self, _told):
 
 def test_only_recorded_code_runs_where_a_lock_is_missing(motions, monkeypatch):
     monkeypatch.setattr(supervisor.Supervisor, "_check_locks", missing_lock)
-    layout, columns = perception_layout(motions), motions.arrays()
+    layout, columns = perception_layout(motions.schema), motions.arrays()
     other = candidate("fitness", "return 0")
     code = load_recording("faucet", sample=0).exchanges["fitness"].reply.functions[0].code
     recorded = Candidate(FunctionSource(name="a", description="", code=code), "fitness", "fitness")
@@ -240,7 +240,7 @@ def test_every_recorded_function_passes(name):
     task = get_task(f"LQD/{name}-v0")
     trajectories = rollout(task, example_solutions(task))
     examples = trajectories.rows(np.flatnonzero(trajectories.valid)).columns
-    check = FunctionCheck(perception_layout(examples), examples.arrays())
+    check = FunctionCheck(perception_layout(examples.schema), examples.arrays())
 
     for sample in range(5):
         functionals = infer(

@@ -10,10 +10,10 @@ import pytest
 from benchmarks.plain_functions import plain_direct_functionals, plain_function
 from lqd_envs import PAPER_TASKS, SolutionSpace, get_task, rollout
 from lqd_envs.tasks.examples import example_solutions
-from lqd_llm import available_samples, load_recording
+from lqd_llm import available_samples, load_recording, perception_layout
 from lqd_llm.sandbox import InfoLayout, RejectedCodeError, Sandbox, SandboxError
 from lqd_search import FunctionalEvaluator, Functionals
-from lqd_search.cli.opened_sandbox import info_layout, open_sandbox, sandboxed
+from lqd_search.cli.opened_sandbox import open_sandbox, sandboxed
 from lqd_search.cli.sandbox_judge import SandboxDirectJudge, SandboxMeshJudge
 from lqd_search.evaluation.direct_judge import DirectJudge
 from lqd_search.evaluation.functionals import FunctionalError
@@ -328,7 +328,7 @@ def test_the_layout_is_that_of_the_columns(task):
     columns = rollout(task, np.empty((0, 9))).columns
     joints = tuple(joint.name for joint in columns.schema.joints)
     names = {"gripper_contacts": columns.schema.links, "joint_positions": joints}
-    assert info_layout(task.schema) == InfoLayout.of(columns.arrays(), names=names)
+    assert perception_layout(task.schema) == InfoLayout.of(columns.arrays(), names=names)
 
 
 def test_code_that_the_sandbox_refuses_is_not_run():
