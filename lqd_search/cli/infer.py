@@ -1,7 +1,6 @@
 """`lqd infer`: from a task's instruction to functionals that can be read."""
 
 import os
-from datetime import datetime
 from pathlib import Path
 
 import click
@@ -11,6 +10,7 @@ from lqd_search.cli.checked_functionals import CheckedFunctionals, infer_functio
 from lqd_search.cli.kept_inference import keep_inference
 from lqd_search.cli.llm_options import LLMOptions, llm_options
 from lqd_search.cli.shown_functionals import functionals_lines
+from lqd_search.runs.default_path import default_path
 from lqd_search.runs.functionals_folder import write_functionals
 from lqd_search.runs.functionals_index import Origin
 
@@ -18,13 +18,6 @@ from lqd_search.runs.functionals_index import Origin
 @click.command("infer")
 @click.argument("task_id", metavar="TASK")
 @llm_options
-@click.option(
-    "--sample",
-    type=click.IntRange(min=0),
-    default=0,
-    show_default=True,
-    help="Which of several inferences of the same task.",
-)
 @click.option(
     "--threads",
     type=click.IntRange(min=0),
@@ -61,7 +54,7 @@ def infer_command(
     """
     task = get_task(task_id)
     asked = task.instruction if instruction is None else instruction
-    output = out or (_default_path(task) if llm.asks_a_model else None)
+    output = out or (default_path(task, parent="inferred") if llm.asks_a_model else None)
 
     def infer(transcript: Path | None) -> CheckedFunctionals:
         return infer_functionals(
@@ -91,17 +84,6 @@ def _show(task: Task, instruction: str, checked: CheckedFunctionals) -> None:
     click.echo(f"{task.id} \u201c{instruction}\u201d\n")
     for line in functionals_lines(checked):
         click.echo(line)
-
-
-def _default_path(task: Task) -> Path:
-    """Return a name that is still free, such as `inferred/faucet-20260131-235959`."""
-    stem = f"{task.name}-{datetime.now().astimezone():%Y%m%d-%H%M%S}"
-    path = Path("inferred") / stem
-    number = 2
-    while os.path.lexists(path):
-        path = Path("inferred") / f"{stem}-{number}"
-        number += 1
-    return path
 
 
 def _refuse_existing(path: Path) -> None:

@@ -123,6 +123,13 @@ _OPTIONS = (
         "--instruction", help="What to do, in one sentence, instead of the task's own instruction."
     ),
     click.option(
+        "--sample",
+        type=click.IntRange(min=0),
+        default=0,
+        show_default=True,
+        help="Which of several inferences of the same task.",
+    ),
+    click.option(
         "--model", default=_MODEL, show_default=True, help="Language model that is asked."
     ),
     click.option(
@@ -144,7 +151,10 @@ _BUNDLED = ("recordings", "model", "effort", "max_tokens")
 
 
 def llm_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options to a command, which is handed an `LLMOptions` as `llm`, and `instruction`."""
+    """Add the options to a command.
+
+    It is handed an `LLMOptions` as `llm`, and `instruction` and `sample`.
+    """
 
     @wraps(command)
     def bundled(*arguments: Any, llm: Mode, **options: Any) -> Any:

@@ -13,7 +13,8 @@ from lqd_search.cli.run_functionals import FunctionalsSource
 from lqd_search.cli.table import print_summary
 from lqd_search.cli.unfinished_run import begin_run, cluster_at, go_on
 from lqd_search.methods.by_name import FAILURE_COMPETITIONS, METHODS
-from lqd_search.runs.run_folder import RunFolder, default_path, refuse_existing
+from lqd_search.runs.default_path import default_path
+from lqd_search.runs.run_folder import RunFolder, refuse_existing
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -53,13 +54,6 @@ _INFERRING = ("llm", "recordings", "instruction", "model", "effort", "max_tokens
 )
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the search."
-)
-@click.option(
-    "--sample",
-    type=click.IntRange(min=0),
-    default=0,
-    show_default=True,
-    help="Which of several inferences of the same task.",
 )
 @llm_options
 @click.option(

@@ -5,14 +5,12 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 from shlex import quote
 from shutil import copytree, rmtree
 from tempfile import mkdtemp
 from typing import Any
 
-from lqd_envs import Task
 from lqd_envs.atomic_file import write_atomically
 from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.functionals_folder import (
@@ -235,17 +233,6 @@ def refuse_existing(path: Path) -> None:
         f"Expected a new folder for the run, but {path} exists; choose another name, or leave "
         "out --out for a name with the time."
     )
-
-
-def default_path(task: Task) -> Path:
-    """Return a name that is still free, such as `runs/faucet-20260131-235959`."""
-    stem = f"{task.name}-{datetime.now().astimezone():%Y%m%d-%H%M%S}"
-    path = Path("runs") / stem
-    number = 2
-    while os.path.lexists(path):
-        path = Path("runs") / f"{stem}-{number}"
-        number += 1
-    return path
 
 
 @contextmanager
