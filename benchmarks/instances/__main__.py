@@ -15,12 +15,10 @@ from benchmarks.instances.judging import Judging
 from benchmarks.instances.report import write_report
 from benchmarks.instances.results import Results
 from benchmarks.instances.store import JudgementStore
-from benchmarks.tables.command import names
+from benchmarks.tables.command import call, names
 from benchmarks.tables.machine import usable_cpus
-from lqd_envs import LQDError
 from lqd_envs.instances import KINDS, Instance, InstanceError, generate_instances
 
-_BAD_INPUT = 2
 _INTERRUPTED = 130
 # Runs differ in how long they take: only over many judgements is the rate even.
 _RATE_OVER = 3600.0
@@ -159,8 +157,4 @@ def _missing(store: JudgementStore, run: RunLabel, instances: Instances) -> list
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except LQDError as error:
-        click.echo(f"instances: {error}", err=True)
-        sys.exit(_BAD_INPUT)
+    call(main)

@@ -8,13 +8,17 @@ import click
 
 from benchmarks.tables.cell_process import run_command
 from benchmarks.tables.cell_store import CellStore
-from benchmarks.tables.command import default_out, names, report, run_missing, seeds
+from benchmarks.tables.command import (
+    call,
+    campaign_options,
+    default_out,
+    names,
+    report,
+    run_missing,
+)
 from benchmarks.tables.machine import usable_cpus
 from benchmarks.tables.report import table_sections
 from benchmarks.tables.study import METHODS, TABLES, TASKS
-from lqd_envs import LQDError
-
-_BAD_INPUT = 2
 
 
 @click.command(name="tables")
@@ -36,17 +40,9 @@ _BAD_INPUT = 2
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder of the cells and the tables.  [default: benchmarks/results/tables/<scale>]",
 )
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    help="Cells that are run at the same time, each on one thread.  [default: one for each CPU]",
-)
 @click.option("--methods", callback=names, help=f"Only these of {','.join(METHODS)}.")
 @click.option("--tasks", callback=names, help=f"Only these of {','.join(TASKS)}.")
-@click.option(
-    "--seeds", callback=seeds, help="Only these of the scale's seeds, such as 0,3 or 0-4."
-)
-@click.option("--report", "report_only", is_flag=True, help="Run nothing, write the tables.")
+@campaign_options
 def main(
     *,
     scale: str,
@@ -75,8 +71,4 @@ def main(
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except LQDError as error:
-        click.echo(f"tables: {error}", err=True)
-        sys.exit(_BAD_INPUT)
+    call(main)

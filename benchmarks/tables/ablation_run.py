@@ -9,10 +9,10 @@ import numpy as np
 
 from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_process import CellCommand
+from benchmarks.tables.command import call
 from benchmarks.tables.steered_run import Steering, steered_by_recording
 from benchmarks.tables.subset_evaluator import SubsetEvaluator
 from benchmarks.tables.variants import VARIANTS
-from lqd_envs import LQDError
 from lqd_search.cli.llm_options import REPLAY
 from lqd_search.evaluation.values import Refusal, StoppedFunction
 from lqd_search.loop import search
@@ -23,8 +23,6 @@ from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_recorder import RunRecorder
 from lqd_search.runs.run_state import RunState
-
-_BAD_INPUT = 2
 
 
 def ablation_command(*, evaluations: int, batch_size: int) -> CellCommand:
@@ -125,7 +123,7 @@ def _say_stopped(stopped: StoppedFunction) -> None:
     click.echo(f"note: {stopped}")
 
 
-@click.command()
+@click.command(name="ablation_run")
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--task", required=True)
 @click.option("--variant", type=click.Choice(tuple(VARIANTS)), required=True)
@@ -150,8 +148,4 @@ def main(
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except LQDError as error:
-        click.echo(f"ablation_run: {error}", err=True)
-        sys.exit(_BAD_INPUT)
+    call(main)

@@ -10,7 +10,14 @@ import click
 from benchmarks.tables.ablation_run import ablation_command
 from benchmarks.tables.ablation_study import ABLATIONS, TASKS
 from benchmarks.tables.cell_store import CellStore
-from benchmarks.tables.command import default_out, names, report, run_missing, seeds
+from benchmarks.tables.command import (
+    call,
+    campaign_options,
+    default_out,
+    names,
+    report,
+    run_missing,
+)
 from benchmarks.tables.comparison_table import comparison_section
 from benchmarks.tables.machine import usable_cpus
 from benchmarks.tables.markdown import markdown_table
@@ -18,9 +25,6 @@ from benchmarks.tables.results import Results
 from benchmarks.tables.task_tables import outcome_table, variant_table
 from benchmarks.tables.variance_table import variance_table
 from benchmarks.tables.variants import VARIANTS
-from lqd_envs import LQDError
-
-_BAD_INPUT = 2
 
 
 def ablation_sections(results: Results) -> Mapping[str, str]:
@@ -71,21 +75,13 @@ def take_over(store: CellStore, tables: Path, *, scale: str) -> int:
     help="Folder of the cells and the tables.  [default: benchmarks/results/ablations/<scale>]",
 )
 @click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    help="Cells that are run at the same time, each on one thread.  [default: one for each CPU]",
-)
-@click.option(
     "--tables",
     type=click.Path(path_type=Path, file_okay=False, exists=True),
     help="Folder of the tables at the same scale: their cells of ours are taken, not run again.",
 )
 @click.option("--variants", callback=names, help=f"Only these of {','.join(VARIANTS)}.")
 @click.option("--tasks", callback=names, help=f"Only these of {','.join(TASKS)}.")
-@click.option(
-    "--seeds", callback=seeds, help="Only these of the scale's seeds, such as 0,3 or 0-4."
-)
-@click.option("--report", "report_only", is_flag=True, help="Run nothing, write the tables.")
+@campaign_options
 def main(
     *,
     scale: str,
@@ -116,8 +112,4 @@ def main(
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except LQDError as error:
-        click.echo(f"ablations: {error}", err=True)
-        sys.exit(_BAD_INPUT)
+    call(main)

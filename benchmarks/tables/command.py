@@ -2,7 +2,7 @@
 
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import click
@@ -15,8 +15,10 @@ from benchmarks.tables.cell_store import CellStore
 from benchmarks.tables.report import Sections, write_report
 from benchmarks.tables.results import Results
 from benchmarks.tables.study import Study
+from lqd_envs import LQDError
 
 _FAILED = 1
+_BAD_INPUT = 2
 _INTERRUPTED = 130
 
 
@@ -36,6 +38,38 @@ def seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int]
             raise click.BadParameter(f"expected seeds such as 0,3 or 0-4, but got {value!r}")
         found += range(int(first), int(last or first) + 1)
     return found
+
+
+_CAMPAIGN_OPTIONS = (
+    click.option(
+        "--jobs",
+        type=click.IntRange(min=1),
+        help="Cells that are run at the same time, each on one thread.  [default: one for each "
+        "CPU]",
+    ),
+    click.option(
+        "--seeds",
+        callback=seeds,
+        help="Only these of the scale's seeds, such as 0,3 or 0-4.",
+    ),
+    click.option("--report", "report_only", is_flag=True, help="Run nothing, write the tables."),
+)
+
+
+def campaign_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Add the options that say which cells are run, and how: `jobs`, `seeds`, `report_only`."""
+    for option in reversed(_CAMPAIGN_OPTIONS):
+        command = option(command)
+    return command
+
+
+def call(command: click.Command) -> None:
+    """Call a benchmark's command; bad input is one sentence, and exit status 2."""
+    try:
+        command()
+    except LQDError as error:
+        click.echo(f"{command.name}: {error}", err=True)
+        sys.exit(_BAD_INPUT)
 
 
 def run_missing(
