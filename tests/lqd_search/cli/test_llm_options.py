@@ -34,16 +34,16 @@ def parse(*arguments):
 
 def test_what_a_command_is_handed():
     arguments = ("--llm", "record", "--recordings", "a", "--model", "m", "--effort", "low")
-    handed = parse(*arguments, "--max-tokens", "5", "--instruction", "Wave")
+    handed = parse(*arguments, "--max-tokens", "5", "--instruction", "Wave", "--sample", "3")
 
     llm = LLMOptions("record", Path("a"), model="m", effort="low", max_tokens=5)
-    assert handed == {"task": "it", "instruction": "Wave", "llm": llm}
+    assert handed == {"task": "it", "instruction": "Wave", "sample": 3, "llm": llm}
 
 
 def test_defaults_are_those_of_the_package():
     handed = parse()
 
-    assert handed == {"task": "it", "instruction": None, "llm": LLMOptions()}
+    assert handed == {"task": "it", "instruction": None, "sample": 0, "llm": LLMOptions()}
     assert handed["llm"].model_options() == ModelOptions()
     assert handed["llm"].model == DEFAULT_MODEL
     assert module.EFFORTS == EFFORTS
