@@ -70,7 +70,7 @@ def measure(task_id: str, *, evaluations: int, seed: int, threads: int) -> Clock
             failure_competition="fitness",
             allow_weak=False,
         )
-        state = RunState(new_method(folder.config(), evaluate))
+        state = RunState(folder.config(), new_method(folder.config(), evaluate))
         method = state.method
         recorder = RunRecorder(
             folder,

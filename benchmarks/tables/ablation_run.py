@@ -12,7 +12,7 @@ from benchmarks.tables.cell_process import CellCommand
 from benchmarks.tables.command import call
 from benchmarks.tables.steered_run import Steering, steered_by_recording
 from benchmarks.tables.subset_evaluator import SubsetEvaluator
-from benchmarks.tables.variants import VARIANTS
+from benchmarks.tables.variants import VARIANTS, Variant
 from lqd_search.cli.llm_options import REPLAY
 from lqd_search.evaluation.values import Refusal, StoppedFunction
 from lqd_search.loop import search
@@ -60,28 +60,32 @@ def run_variant(cell: Cell, folder: Path, *, evaluations: int, batch_size: int) 
             if folder.exists()
             else _create(folder, cell, steering, evaluations=evaluations, batch_size=batch_size)
         )
-        config = run.config()
-        setting = Setting(
-            task=steering.task,
-            judge=steering.here.judge,
-            evaluations=config.evaluations,
-            batch_size=config.batch_size,
-            rng=np.random.default_rng(config.seed),
-        )
-        variant = VARIANTS[cell.method]
-        state = run.state.load() or RunState(variant.method(setting))
-        recorder = RunRecorder(
-            run,
-            task=steering.task,
-            state=state,
-            on_generation=_say_generation,
-            on_refusal=_say_refusal,
-            on_stopped=_say_stopped,
-        )
-        kept = variant.choose(tuple(setting.judge.descriptors))
-        evaluate = SubsetEvaluator(steering.evaluate(state.stopped), kept)
-        search(state.method, evaluate, observe=recorder.observe)
-        recorder.finish()
+        with run.locked():
+            _go_on(run, VARIANTS[cell.method], steering)
+
+
+def _go_on(run: RunFolder, variant: Variant, steering: Steering) -> None:
+    config = run.config()
+    setting = Setting(
+        task=steering.task,
+        judge=steering.here.judge,
+        evaluations=config.evaluations,
+        batch_size=config.batch_size,
+        rng=np.random.default_rng(config.seed),
+    )
+    state = run.load_state() or RunState(config, variant.method(setting))
+    recorder = RunRecorder(
+        run,
+        task=steering.task,
+        state=state,
+        on_generation=_say_generation,
+        on_refusal=_say_refusal,
+        on_stopped=_say_stopped,
+    )
+    kept = variant.choose(tuple(setting.judge.descriptors))
+    evaluate = SubsetEvaluator(steering.evaluate(state.stopped), kept)
+    search(state.method, evaluate, observe=recorder.observe)
+    recorder.finish()
 
 
 def _create(

@@ -14,7 +14,8 @@ from lqd_search.cli.table import print_summary
 from lqd_search.cli.unfinished_run import begin_run, cluster_at, go_on
 from lqd_search.methods.by_name import FAILURE_COMPETITIONS, METHODS
 from lqd_search.runs.default_path import default_path
-from lqd_search.runs.run_folder import RunFolder, refuse_existing
+from lqd_search.runs.new_folder import refuse_existing
+from lqd_search.runs.run_folder import RunFolder
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -130,6 +130,13 @@ def go_on(
     Raises:
         LQDError: The run cannot go on; what was finished is kept.
     """
+    with folder.locked():
+        return _go_on(folder, threads=threads, client=client, allow_weak=allow_weak)
+
+
+def _go_on(
+    folder: RunFolder, *, threads: int, client: "Client | None", allow_weak: bool
+) -> tuple[Path, ...]:
     config = folder.config()
     _check_choices(folder, config)
     _check_functionals(folder, config)
@@ -142,7 +149,7 @@ def go_on(
         allow_weak=allow_weak,
     )
     with recipe.opened() as here:
-        state = folder.state.load() or RunState(new_method(config, here))
+        state = folder.load_state() or RunState(config, new_method(config, here))
         make = _maker(recipe, client)
         evaluate = WithoutStopped(
             here if client is None and not state.stopped else make(state.stopped),

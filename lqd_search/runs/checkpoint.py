@@ -10,7 +10,7 @@ from lqd_envs import LQDError
 from lqd_envs.atomic_file import write_atomically
 from lqd_search.runs.state_pickle import StateError, Trusted, pickle_state, unpickle_state
 
-CHECKPOINT_FORMAT = 1
+CHECKPOINT_FORMAT = 2
 """Version of a checkpoint's form; a reader refuses one that it does not know."""
 
 _MAGIC = b"lqd checkpoint\n"

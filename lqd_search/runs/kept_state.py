@@ -68,7 +68,7 @@ class KeptState:
             if (self.path / _OUTCOMES).exists():
                 rmtree(self.path / _OUTCOMES)
         except OSError as error:
-            raise cannot_write(self.path / _CHECKPOINT, error) from error
+            raise cannot_write(self.path / _CHECKPOINT, error, folder=self.path) from error
 
     def write_outcomes(self, generation: int, news: Outcomes) -> None:
         """Write the outcomes that are new in a generation.

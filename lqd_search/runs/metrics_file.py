@@ -30,7 +30,7 @@ class MetricsFile:
         try:
             write_atomically(self.path, _csv(rows, header=True).encode())
         except OSError as error:
-            raise cannot_write(self.path, error) from error
+            raise cannot_write(self.path, error, folder=self.path.parent) from error
 
     def append(self, row: Metrics) -> None:
         """Add a row.
@@ -42,7 +42,7 @@ class MetricsFile:
             with self.path.open("a", newline="") as file:
                 file.write(_csv([row], header=False))
         except OSError as error:
-            raise cannot_write(self.path, error) from error
+            raise cannot_write(self.path, error, folder=self.path.parent) from error
 
 
 def _csv(rows: Iterable[Metrics], *, header: bool) -> str:

@@ -1,14 +1,12 @@
 """A run on disk: configuration, functionals, archive, metrics and figures."""
 
 import json
-import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from shlex import quote
-from shutil import copytree, rmtree
-from tempfile import mkdtemp
+from shutil import copytree
 from typing import Any
 
 from lqd_envs.atomic_file import write_atomically
@@ -22,8 +20,11 @@ from lqd_search.runs.functionals_index import Origin
 from lqd_search.runs.json_form import FormError, check_form
 from lqd_search.runs.kept_state import KeptState
 from lqd_search.runs.metrics_file import MetricsFile
+from lqd_search.runs.new_folder import cannot_make, folder_beside, refuse_existing
 from lqd_search.runs.run_config import RUN_FORMAT, RunConfig
 from lqd_search.runs.run_folder_error import RunFolderError, cannot_write
+from lqd_search.runs.run_lock import locked
+from lqd_search.runs.run_state import RunState
 from lqd_search.runs.stored_archive import StoredArchive
 from lqd_search.runs.stored_outcomes import Outcomes, load_outcomes
 from lqd_search.runs.summary import Summary
@@ -69,16 +70,16 @@ class RunFolder:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             # Made beside its place and moved, it is there complete or not at all.
-            with _folder_beside(path) as part:
+            with folder_beside(path) as part:
                 cls(part)._fill(config, functionals, origin)
                 if inference is not None:
                     copytree(inference, part / INFERENCE)
                 part.rename(path)
         except OSError as error:
-            raise _cannot_make(path, error) from error
+            raise cannot_make(path, error) from error
         except FunctionalsFolderError as error:
             if isinstance(error.__cause__, OSError):
-                raise _cannot_make(path, error.__cause__) from error
+                raise cannot_make(path, error.__cause__) from error
             raise
         return cls(path)
 
@@ -110,6 +111,35 @@ class RunFolder:
             return RunConfig.from_dict(data)
         except FormError as error:
             raise self._of_another_form("configuration", CONFIG, error) from error
+
+    def locked(self) -> AbstractContextManager[None]:
+        """Keep other processes from going on with the run, for the length of a `with` block.
+
+        Raises:
+            RunFolderError: Another process goes on with the run, or the folder cannot be written.
+        """
+        return locked(self.path / CONFIG)
+
+    def load_state(self) -> RunState | None:
+        """Return where the run stands; None: no generation was finished yet.
+
+        Raises:
+            CheckpointError: The checkpoint is damaged or of another form.
+            RunFolderError: The configuration was changed since the run began.
+        """
+        state = self.state.load()
+        if state is None or state.config == (config := self.config()):
+            return state
+        began, now = asdict(state.config), asdict(config)
+        changed = [
+            f"{name} {now[name]!r} instead of {began[name]!r}"
+            for name in began
+            if now[name] != began[name]
+        ]
+        raise RunFolderError(
+            f"Expected the config.json of {self.path} to be as it was when the run began, but got "
+            f"{', '.join(changed)}; restore it, or begin another run."
+        )
 
     def summary(self) -> Summary:
         """Return the run's figures.
@@ -174,7 +204,7 @@ class RunFolder:
         try:
             write_atomically(path, content)
         except OSError as error:
-            raise cannot_write(path, error) from error
+            raise cannot_write(path, error, folder=self.path) from error
         return path
 
     def _fill(
@@ -215,46 +245,3 @@ class RunFolder:
         if not isinstance(data, dict):
             raise RunFolderError(f"Expected a JSON object in {path}, got {type(data).__name__}.")
         return data
-
-
-def refuse_existing(path: Path) -> None:
-    """Raise an error if there is something at the path of a new run folder.
-
-    Raises:
-        RunFolderError: There is, if only a link to nothing, or the path cannot be used.
-    """
-    try:
-        path.lstat()
-    except FileNotFoundError:
-        return
-    except OSError as error:
-        raise _cannot_make(path, error) from error
-    raise RunFolderError(
-        f"Expected a new folder for the run, but {path} exists; choose another name, or leave "
-        "out --out for a name with the time."
-    )
-
-
-@contextmanager
-def _folder_beside(path: Path) -> Iterator[Path]:
-    part = Path(mkdtemp(prefix=f".{path.name}.", dir=path.parent))
-    try:
-        part.chmod(0o777 & ~_umask())
-        yield part
-    finally:
-        # Where it was moved to its place, there is nothing left of it here.
-        rmtree(part, ignore_errors=True)
-
-
-def _umask() -> int:
-    # It can only be read by being set.
-    mask = os.umask(0o077)
-    os.umask(mask)
-    return mask
-
-
-def _cannot_make(path: Path, error: OSError) -> RunFolderError:
-    return RunFolderError(
-        f"Expected to write the run to {path}, but that failed ({error.strerror or error}); choose "
-        "a folder that can be written with --out."
-    )

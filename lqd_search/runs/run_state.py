@@ -6,6 +6,7 @@ from lqd_search.evaluation.descriptor_report import DescriptorReport
 from lqd_search.evaluation.values import StoppedFunction
 from lqd_search.methods.method import Method
 from lqd_search.runs.metrics import Metrics
+from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.tally import Tally
 
 
@@ -16,6 +17,7 @@ class RunState:
     The outcomes are not in it: they are beside it, a file for each generation.
 
     Attributes:
+        config: What the run was asked to do when it began.
         method: The method, told of every generation so far.
         tally: The run's counts.
         metrics: The figures of every generation so far.
@@ -25,6 +27,7 @@ class RunState:
             out.
     """
 
+    config: RunConfig
     method: Method
     tally: Tally = field(default_factory=Tally)
     metrics: list[Metrics] = field(default_factory=list)

@@ -26,6 +26,7 @@ MODULES = (
     "lqd_search.evaluation.values",
     "lqd_search.methods",
     "lqd_search.runs.metrics",
+    "lqd_search.runs.run_config",
     "lqd_search.runs.run_state",
     "lqd_search.runs.tally",
     "lqd_search.schedulers",

@@ -176,6 +176,11 @@ DAMAGE = {
         lambda folder: edit(folder, method="ours_minus"),
         r"Expected one of ours, [^\n]+ as method in the config\.json of \S+copy, but got 'ours_m",
     ),
+    "another seed": (
+        lambda folder: edit(folder, seed=8, batch_size=2048),
+        r"Expected the config\.json of \S+copy to be as it was when the run began, but got seed 8 "
+        r"instead of \d+, batch_size 2048 instead of \d+; restore it, or begin another run",
+    ),
     "an unknown competition": (
         lambda folder: edit(folder, failure_competition="dice"),
         r"Expected one of fitness, coin as failure_competition in the config\.json of \S+copy",
@@ -200,6 +205,18 @@ def test_a_damaged_run_does_not_go_on(copy, call, harm):
     assert re.search(rf"^lqd: [^\n]*{message}[^\n]*\.\n\Z", err, re.MULTILINE)
     assert "Traceback" not in err
     assert {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()} == before
+
+
+def test_two_processes_do_not_go_on_with_the_same_run(copy, call, monkeypatch):
+    with RunFolder(copy).locked():
+        status, out, err = call("run", "--resume", copy)
+
+    assert (status, out) == (2, "")
+    assert err == (
+        f"lqd: Expected to be the only one that goes on with the run in {copy}, but another "
+        "process does; wait until it ends, or stop it.\n"
+    )
+    assert go_on_for_a_generation(copy, call, monkeypatch) == 4
 
 
 def refuse_writes(monkeypatch, name, *, after, code):

@@ -127,6 +127,6 @@ def new_run(tmp_path):
         )
         text = FunctionText("success", "success", "Whether it is near.", "def success(infos): ...")
         folder = RunFolder.create(tmp_path / name, config=config, functionals=[text])
-        return RecordedRun(folder, RunState(METHODS[method](evaluations, **options)))
+        return RecordedRun(folder, RunState(config, METHODS[method](evaluations, **options)))
 
     return make

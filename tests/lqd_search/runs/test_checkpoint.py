@@ -165,7 +165,7 @@ def test_every_flipped_byte_is_found(saved):
     for i in range(len(content)):
         flip = (0x01, 0x08, 0xFF)[i % 3]
         saved.write_bytes(content[:i] + bytes([content[i] ^ flip]) + content[i + 1 :])
-        with pytest.raises(CheckpointError, match=r"cannot be read|checkpoint format 1 in"):
+        with pytest.raises(CheckpointError, match=r"cannot be read|checkpoint format 2 in"):
             load_checkpoint(saved)
 
 
@@ -173,7 +173,7 @@ def test_every_flipped_byte_is_found(saved):
     ("old", "new", "reason"),
     [
         (b"lqd checkpoint", b"npz checkpoint", "it does not begin like one"),
-        (b"format 1", b"format x", "its head is damaged"),
+        (b"format 2", b"format x", "its head is damaged"),
         (b"sha256 ", b"sha512 ", "its head is damaged"),
         (b"generation", b"generatiom", "its bytes are others than were written"),
     ],
@@ -184,8 +184,8 @@ def test_the_reason_is_given(saved, old, new, reason):
 
 
 def test_another_format_is_named(saved):
-    saved.write_bytes(b"lqd checkpoint\nformat 2\nanything")
-    with pytest.raises(CheckpointError, match=r"format 1 in \S+, got 2; resume with the version"):
+    saved.write_bytes(b"lqd checkpoint\nformat 3\nanything")
+    with pytest.raises(CheckpointError, match=r"format 2 in \S+, got 3; resume with the version"):
         load_checkpoint(saved)
 
 

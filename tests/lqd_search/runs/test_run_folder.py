@@ -8,8 +8,9 @@ import pytest
 
 from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.functionals_folder import FunctionalsFolderError
+from lqd_search.runs.new_folder import refuse_existing
 from lqd_search.runs.run_config import RunConfig
-from lqd_search.runs.run_folder import RunFolder, refuse_existing
+from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_folder_error import RunFolderError
 
 
@@ -163,7 +164,7 @@ def test_a_folder_that_vanishes_in_the_middle_of_a_run_is_one_sentence(folder, m
         with pytest.raises(
             RunFolderError,
             match=r"^Expected to write \S+, but that failed \(No such[^\n]*, then go on with `lqd "
-            r"run --resume`: what was finished is kept\.$",
+            r"run --resume \S+`: what was finished is kept\.$",
         ):
             write()
 
