@@ -59,7 +59,7 @@ def main(
     comparisons and pictures are those of all cells that are finished, whichever were asked for.
     """
     study = TABLES[scale]
-    store = CellStore(out or default_out("tables", scale), study.evaluations)
+    store = CellStore(out or default_out("tables", scale), study.evaluations, study.batch_size)
     cells = study.chosen(tasks=tasks, methods=methods, seeds=seeds)
     status = 0
     if not report_only:

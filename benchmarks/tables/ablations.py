@@ -49,7 +49,10 @@ def take_over(store: CellStore, tables: Path, *, scale: str) -> int:
     """
     cells = ABLATIONS[scale].cells
     store.prepare()
-    there, here = CellStore(tables, store.evaluations).load(cells), store.load(cells)
+    there, here = (
+        CellStore(tables, store.evaluations, store.batch_size).load(cells),
+        store.load(cells),
+    )
     new = [figures for cell, figures in there.items() if cell not in here]
     for figures in new:
         store.keep(figures)
@@ -98,7 +101,7 @@ def main(
     Finished cells are kept in --out and not run again; one that was stopped goes on.
     """
     study = ABLATIONS[scale]
-    store = CellStore(out or default_out("ablations", scale), study.evaluations)
+    store = CellStore(out or default_out("ablations", scale), study.evaluations, study.batch_size)
     cells = study.chosen(tasks=tasks, methods=variants, seeds=seeds)
     if tables is not None:
         click.echo(f"{take_over(store, tables, scale=scale)} cells taken from {tables}", err=True)

@@ -9,7 +9,7 @@ from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_figures import CellError, CellFigures
 from benchmarks.tables.cell_process import CellCommand, CellProcess
 from benchmarks.tables.cell_store import CellStore
-from benchmarks.tables.machine import describe_machine
+from benchmarks.tables.machine import describe_commit, describe_machine
 from benchmarks.tables.run_figures import read_run
 from lqd_envs import LQDError
 from lqd_search.methods.steering import MESH, STEERING
@@ -53,6 +53,7 @@ class Campaign:
         self._command = command
         self._jobs = jobs
         self._machine = describe_machine()
+        self._commit = describe_commit()
 
     def run(self, cells: Iterable[Cell], *, on_work: OnWork, on_cell: OnCell) -> Outcome:
         """Run cells until all are finished; however it ends, no process is left behind.
@@ -115,11 +116,12 @@ class Campaign:
 
     def _checked(self, cell: Cell) -> RunFolder:
         run = RunFolder.open(self._store.run_folder(cell))
-        evaluations = run.config().evaluations
-        if evaluations != self._store.evaluations:
+        config, store = run.config(), self._store
+        if (config.evaluations, config.batch_size) != (store.evaluations, store.batch_size):
             raise CellError(
-                f"Expected a run of {self._store.evaluations} evaluations in {run.path}, but it "
-                f"has {evaluations}; give each scale a folder of its own with --out."
+                f"Expected a run of {store.evaluations} evaluations, {store.batch_size} a "
+                f"generation, in {run.path}, but it has {config.evaluations} and "
+                f"{config.batch_size}; give each scale a folder of its own with --out."
             )
         return run
 
@@ -138,6 +140,7 @@ class Campaign:
             # All that is no method is a variant of `ours`.
             steering=STEERING.get(cell.method, MESH),
             machine=self._machine,
+            commit=self._commit,
         )
         self._store.keep(figures)
         on_cell(figures)

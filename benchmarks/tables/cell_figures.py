@@ -61,6 +61,9 @@ class CellFigures:
         sample: Which recorded sample of the model's replies.
         evaluations: Evaluations spent.
         batch_size: Solutions in a generation.
+        switches: The switches of `ours_plus` that were on, in alphabetical order.
+        functionals: Digest of the functionals of its run; empty where the expert steers.
+        capacity: The most elites that its final archive could hold.
         steering: Whose functionals it was told the values of, a value of `STEERING`.
         valid: Motions that were judged.
         rejected: Motions that failed before simulation.
@@ -82,6 +85,7 @@ class CellFigures:
         model: The model that wrote the functionals.
         provenance: How its replies were taken.
         machine: What it ran on.
+        commit: Of the sources, with a `+` where they were changed; empty where there is no git.
         versions: Of Python and of every package that can change a result.
     """
 
@@ -91,6 +95,9 @@ class CellFigures:
     sample: int
     evaluations: int
     batch_size: int
+    switches: tuple[str, ...]
+    functionals: str
+    capacity: int
     steering: str
     valid: int
     rejected: int
@@ -112,6 +119,7 @@ class CellFigures:
     model: str
     provenance: str
     machine: str
+    commit: str
     versions: dict[str, str]
 
     @property
@@ -145,4 +153,5 @@ class CellFigures:
             ) from error
         curve = {name: tuple(column) for name, column in data["curve"].items()}
         verdicts = {name: Verdicts(**data[name]) for name in ("motions", "elites")}
-        return cls(**{**data, **verdicts, "curve": Curve(**curve)})
+        lists = {"switches": tuple(data["switches"]), "curve": Curve(**curve)}
+        return cls(**{**data, **verdicts, **lists})

@@ -10,6 +10,7 @@ from pathlib import Path
 from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_figures import CellError, CellFigures
 from lqd_envs.atomic_file import write_atomically
+from lqd_search.methods.by_name import METHODS
 
 
 @dataclass(frozen=True)
@@ -22,10 +23,12 @@ class CellStore:
     Attributes:
         out: The folder.
         evaluations: Evaluations of each of its cells.
+        batch_size: Solutions in a generation of each of its cells.
     """
 
     out: Path
     evaluations: int
+    batch_size: int
 
     def prepare(self) -> None:
         """Make the folders, in which git does not see the runs."""
@@ -45,15 +48,19 @@ class CellStore:
         """Return the figures of those cells that are finished, in their order.
 
         Raises:
-            CellError: A file is damaged, another cell's, or of another number of evaluations.
+            CellError: A file is damaged, another cell's, or of another budget, another
+                generation or other switches; or two cells differ in the functionals that they
+                should share.
         """
-        return {cell: self._read(cell) for cell in cells if self._path(cell).exists()}
+        found = {cell: self._read(cell) for cell in cells if self._path(cell).exists()}
+        _check_functionals(found.values())
+        return found
 
     def keep(self, figures: CellFigures) -> Path:
         """Write the figures of a finished cell.
 
         Raises:
-            CellError: They are of another number of evaluations.
+            CellError: They are of another budget, another generation or other switches.
         """
         path = self._path(figures.cell)
         self._check(figures, figures.cell, path)
@@ -106,9 +113,37 @@ class CellStore:
         return figures
 
     def _check(self, figures: CellFigures, cell: Cell, path: Path) -> None:
-        if figures.cell != cell or figures.evaluations != self.evaluations:
+        budget = (self.evaluations, self.batch_size)
+        if figures.cell != cell or (figures.evaluations, figures.batch_size) != budget:
             raise CellError(
-                f"Expected the cell {cell.name} of {self.evaluations} evaluations in {path}, but "
-                f"got {figures.cell.name} of {figures.evaluations}; give each scale a folder of "
-                "its own with --out."
+                f"Expected the cell {cell.name} of {self.evaluations} evaluations, "
+                f"{self.batch_size} a generation, in {path}, but got {figures.cell.name} of "
+                f"{figures.evaluations}, {figures.batch_size} a generation; give each scale a "
+                "folder of its own with --out."
             )
+        # A variant of `ours` is no method, and has none.
+        known = METHODS.get(cell.method)
+        switches = tuple(sorted(known.switches)) if known else ()
+        if figures.switches != switches:
+            raise CellError(
+                f"Expected the switches {_listed(switches)} of {cell.method} in {path}, but it "
+                f"was run with {_listed(figures.switches)}; delete it and its folder in runs/, "
+                "and the cell is run again."
+            )
+
+
+def _check_functionals(found: Iterable[CellFigures]) -> None:
+    first: dict[tuple[str, int, str], CellFigures] = {}
+    for figures in found:
+        one = first.setdefault((figures.task, figures.sample, figures.steering), figures)
+        if one.functionals != figures.functionals:
+            raise CellError(
+                f"Expected the same functionals in the cells {one.cell.name} and "
+                f"{figures.cell.name}, but their digests are {one.functionals} and "
+                f"{figures.functionals}; delete those that are out of date, and they are run "
+                "again."
+            )
+
+
+def _listed(switches: tuple[str, ...]) -> str:
+    return "+".join(switches) or "none"

@@ -3,11 +3,17 @@
 import math
 from collections.abc import Sequence
 
+from benchmarks.tables.cell_figures import CellFigures
 from benchmarks.tables.comparison import Comparison, Hypothesis, smallest_p
 from benchmarks.tables.markdown import markdown_table
-from benchmarks.tables.measures import BY_NAME
+from benchmarks.tables.measures import BY_NAME, SIZE
 from benchmarks.tables.results import Results
 from benchmarks.tables.spread import NOTHING
+
+_BY_CAPACITY = (
+    "A comparison of sizes is decided *by capacity* where every archive of the one holds more "
+    "successes than an archive of the other has room for, whatever it finds."
+)
 
 
 def comparison_section(results: Results) -> str:
@@ -27,22 +33,38 @@ def comparison_section(results: Results) -> str:
             ": at this scale no comparison can be significant at 5 %, and only the effect sizes "
             "and their intervals say something"
         )
-    return f"{reach}.\n\n{_table(family, found)}"
+    return f"{reach}.\n\n{_BY_CAPACITY}\n\n{_table(results, found)}"
 
 
-def _table(family: Sequence[Hypothesis], found: Sequence[Comparison]) -> str:
+def _table(results: Results, found: Sequence[Comparison]) -> str:
     by_hypothesis = {comparison.hypothesis: comparison for comparison in found}
-    head = ("task", "measure", "compared", "A12 [95 % interval]", "p", "p, adjusted")
+    head = ("task", "measure", "compared", "A12 [95 % interval]", "p", "p, adjusted", "by capacity")
     rows = [
         (
             hypothesis.task,
             BY_NAME[hypothesis.measure].title,
             f"{hypothesis.one} : {hypothesis.other}",
             *_texts(by_hypothesis.get(hypothesis)),
+            "yes" if _by_capacity(results, hypothesis) else "no",
         )
-        for hypothesis in family
+        for hypothesis in results.study.family
     ]
     return markdown_table(head, rows, words=3)
+
+
+def _by_capacity(results: Results, hypothesis: Hypothesis) -> bool:
+    if hypothesis.measure != SIZE.name:
+        return False
+    task, methods = hypothesis.task, (hypothesis.one, hypothesis.other)
+    one, other = (results.group(task, method) for method in methods)
+    return _overflows(one, other) or _overflows(other, one)
+
+
+def _overflows(one: Sequence[CellFigures], other: Sequence[CellFigures]) -> bool:
+    """Return whether the least of the one is more than the other has room for."""
+    if not one or not other:
+        return False
+    return min(map(SIZE.of, one)) > max(cell.capacity for cell in other)
 
 
 def _texts(comparison: Comparison | None) -> tuple[str, str, str]:

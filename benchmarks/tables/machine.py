@@ -2,6 +2,7 @@
 
 import os
 import platform
+import subprocess
 from pathlib import Path
 
 _CPU_INFO = Path("/proc/cpuinfo")
@@ -10,6 +11,20 @@ _CPU_INFO = Path("/proc/cpuinfo")
 def describe_machine() -> str:
     """Return system, processor and number of CPUs, and nothing that tells whose machine it is."""
     return f"{platform.system()} {platform.machine()}, {_processor()}, {usable_cpus()} CPUs"
+
+
+def describe_commit() -> str:
+    """Return the commit of these sources, with a `+` where they were changed since.
+
+    It is empty where there is no git, or where the sources are not in a repository.
+    """
+    here = Path(__file__).parent
+    try:
+        head = _git("rev-parse", "--short=12", "HEAD", folder=here)
+        changes = _git("status", "--porcelain", "--untracked-files=no", folder=here)
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return f"{head}+" if changes else head
 
 
 def usable_cpus() -> int:
@@ -27,3 +42,9 @@ def _processor() -> str:
             if key.strip() == "model name":
                 return value.strip()
     return platform.processor() or "unknown processor"
+
+
+def _git(*arguments: str, folder: Path) -> str:
+    return subprocess.run(
+        ["git", *arguments], cwd=folder, check=True, capture_output=True, text=True
+    ).stdout.strip()

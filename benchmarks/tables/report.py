@@ -1,15 +1,18 @@
 """The report of a benchmark: Markdown, CSV and pictures, from its finished cells alone."""
 
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from benchmarks.tables.box_picture import draw_boxes
+from benchmarks.tables.cell import RECORDINGS, Cell
 from benchmarks.tables.comparison_table import comparison_section
 from benchmarks.tables.curve_picture import draw_curves
 from benchmarks.tables.figure_files import figure_files
 from benchmarks.tables.long_form import long_form
 from benchmarks.tables.paper_figures import PaperFigures
 from benchmarks.tables.results import Results
+from benchmarks.tables.study import Study
 from benchmarks.tables.task_tables import condition_table, final_archive_table, outcome_table
 from lqd_envs.atomic_file import write_atomically
 
@@ -68,7 +71,8 @@ def describe(results: Results) -> str:
     seeds = ", ".join(map(str, study.seeds))
     sentences = [
         f"{len(cells)} of {len(study.cells)} cells are finished, of {study.evaluations:,} "
-        f"evaluations each; seeds {seeds}, seed k with recording k mod 5."
+        f"evaluations each, {study.batch_size:,} a generation; seeds {seeds}, seed k with "
+        f"recording k mod {RECORDINGS}{_crossed(study)}."
     ]
     if cells:
         hours = sum(cell.seconds for cell in cells) / 3600
@@ -77,9 +81,23 @@ def describe(results: Results) -> str:
             f"Together they took {hours:.1f} hours, each on one thread.",
             f"Machine: {' / '.join(dict.fromkeys(cell.machine for cell in cells))}.",
             f"Versions: {' / '.join(dict.fromkeys(versions))}.",
+            _commits(cell.commit or "unknown" for cell in cells),
             *dict.fromkeys(f"Model: {cell.model}. {cell.provenance}" for cell in cells),
         ]
     return "\n\n".join(sentences)
+
+
+def _crossed(study: Study) -> str:
+    crossed = sum(cell != Cell.of(cell.task, cell.method, cell.seed) for cell in study.cells)
+    return f"; {crossed} cells beside them cross recordings and seeds" if crossed else ""
+
+
+def _commits(names: Iterable[str]) -> str:
+    counts = Counter(names)
+    if len(counts) == 1:
+        return f"Commit: {next(iter(counts))}."
+    listed = ", ".join(f"{name} {count}" for name, count in counts.items())
+    return f"Commits, with the number of cells: {listed}."
 
 
 def _pictures(results: Results) -> dict[str, bytes]:

@@ -1,5 +1,6 @@
 """Reading a finished run folder as the figures of a cell."""
 
+from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,10 @@ from lqd_search.runs.metrics_rows import read_metrics
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_folder_error import RunFolderError
 from lqd_search.runs.stored_archive import StoredArchive
+from lqd_search.runs.summary import Summary
 
 
-def read_run(folder: Path, *, cell: Cell, steering: str, machine: str) -> CellFigures:
+def read_run(folder: Path, *, cell: Cell, steering: str, machine: str, commit: str) -> CellFigures:
     """Return the figures of a finished run.
 
     Args:
@@ -20,12 +22,13 @@ def read_run(folder: Path, *, cell: Cell, steering: str, machine: str) -> CellFi
         cell: Which cell it is said to be.
         steering: What steered it, a value of `STEERING`.
         machine: What it ran on.
+        commit: Of the sources.
 
     Raises:
         LQDError: The run is not finished, damaged, or another one than the cell says.
     """
     run = RunFolder.open(folder)
-    summary = run.summary()
+    config, summary = run.config(), run.summary()
     found = (summary["task"], summary["method"], summary["seed"], summary["sample"])
     if found != (cell.task_id, cell.method, cell.seed, cell.sample):
         raise CellError(
@@ -40,6 +43,9 @@ def read_run(folder: Path, *, cell: Cell, steering: str, machine: str) -> CellFi
         sample=cell.sample,
         evaluations=summary["evaluations"],
         batch_size=summary["batch_size"],
+        switches=config.switches,
+        functionals=config.functionals,
+        capacity=_capacity(summary),
         steering=steering,
         valid=summary["valid"],
         rejected=sum(summary["rejected"].values()),
@@ -61,6 +67,7 @@ def read_run(folder: Path, *, cell: Cell, steering: str, machine: str) -> CellFi
         model=summary["model"],
         provenance=summary["provenance"],
         machine=machine,
+        commit=commit,
         versions=summary["versions"],
     )
 
@@ -81,6 +88,13 @@ def read_curve(path: Path) -> Curve:
     return Curve(
         **{name: tuple(getattr(row, name) for row in rows) for name in Curve.__annotations__}
     )
+
+
+def _capacity(summary: Summary) -> int:
+    if summary["grids"]:
+        return sum(prod(grid["dims"]) for grid in summary["grids"])
+    # Without grids there is the population of `ga`, and all that `random` asked.
+    return summary["batch_size"] if summary["method"] == "ga" else summary["evaluations"]
 
 
 def _verdicts(archive: StoredArchive) -> Verdicts:

@@ -1,5 +1,7 @@
 """The tables of a task's figures, and of what the inferred success condition is worth."""
 
+import numpy as np
+
 from benchmarks.tables.markdown import markdown_table
 from benchmarks.tables.measures import (
     CELLS,
@@ -16,26 +18,31 @@ from benchmarks.tables.paper_figures import PaperFigures
 from benchmarks.tables.results import Results
 from benchmarks.tables.spread import NOTHING
 
+_CAPACITY = "elites it can hold, median"
 _JUDGED_ONLY = (
     "Over all valid motions of a run, and over the distinct elites of its final archive. `random` "
-    "and `ga` are not steered by the condition: it only judges what they come by."
+    "and `ga` are not steered by the condition: it only judges what they come by. The condition of "
+    "`direct` is the one that the model wrote together with all else, that of `mesh` the one "
+    "that it wrote on its own: they are two conditions, and not two searches with the same."
 )
 
 
 def final_archive_table(results: Results, task: str, *, paper: PaperFigures) -> str:
-    """Return the figures of the final archives, the paper's own beside them."""
+    """Return the figures of the final archives, the paper's own beside them if there are any."""
+    compared = any(figure.task == task for figure in paper.figures)
     head = ["method", "seeds"]
     for measure in (SIZE, CELLS):
-        head += [f"{measure.title}, mean ± std", "the paper's", "median [IQR]"]
+        head += [f"{measure.title}, mean ± std", *(["the paper's"] * compared), "median [IQR]"]
     rows = []
     for method in results.study.methods:
         row = [method, _seeds(results, task, method)]
         for measure in (SIZE, CELLS):
             mean, median = _texts(results, task, method, measure, digits=1)
-            row += [mean, paper.text(task, method, measure.name), median]
-        rows.append(row)
-    table = markdown_table(head, rows, words=1)
-    remarks = [
+            row += [mean, *([paper.text(task, method, measure.name)] * compared), median]
+        rows.append([*row, _capacity(results, task, method)])
+    table = markdown_table([*head, _CAPACITY], rows, words=1)
+    remarks = [] if compared else ["The paper's own figures are not at hand."]
+    remarks += [
         f"{remark.text} ({remark.source}.)" for remark in paper.remarks if remark.task == task
     ]
     return "\n\n".join([table, *remarks])
@@ -43,18 +50,21 @@ def final_archive_table(results: Results, task: str, *, paper: PaperFigures) -> 
 
 def outcome_table(results: Results, task: str) -> str:
     """Return the figures of the outcome archives: every distinct success of the whole run."""
-    return _plain_table(results, task, (OUTCOMES, OUTCOME_CELLS))
+    head, rows = _plain_rows(results, task, (OUTCOMES, OUTCOME_CELLS))
+    return markdown_table(head, rows, words=1)
 
 
 def variant_table(results: Results, task: str) -> str:
     """Return the figures of the final archives alone, for what the paper has no figures of."""
-    return _plain_table(results, task, (SIZE, CELLS))
+    head, rows = _plain_rows(results, task, (SIZE, CELLS))
+    held = [[*row, _capacity(results, task, row[0])] for row in rows]
+    return markdown_table([*head, _CAPACITY], held, words=1)
 
 
 def condition_table(results: Results) -> str:
     """Return precision and recall of the inferred success condition, judged by the expert's."""
     measures = (PRECISION, RECALL, ELITE_PRECISION, ELITE_RECALL)
-    head = ["task", "method", "runs"]
+    head = ["task", "method", "condition", "runs"]
     for measure in measures:
         head += [f"{measure.title}, mean ± std", "median [IQR]"]
     rows = []
@@ -63,12 +73,14 @@ def condition_table(results: Results) -> str:
             cells = [cell for cell in results.group(task, method) if cell.inferred]
             if cells:
                 texts = [_texts(results, task, method, m, digits=3) for m in measures]
-                row = [task, method, str(len(cells)), *(text for pair in texts for text in pair)]
-                rows.append(row)
-    return f"{_JUDGED_ONLY}\n\n{markdown_table(head, rows, words=2)}"
+                row = [task, method, cells[0].steering, str(len(cells))]
+                rows.append([*row, *(text for pair in texts for text in pair)])
+    return f"{_JUDGED_ONLY}\n\n{markdown_table(head, rows, words=3)}"
 
 
-def _plain_table(results: Results, task: str, measures: tuple[Measure, ...]) -> str:
+def _plain_rows(
+    results: Results, task: str, measures: tuple[Measure, ...]
+) -> tuple[list[str], list[list[str]]]:
     head = ["method", "seeds"]
     for measure in measures:
         head += [f"{measure.title}, mean ± std", "median [IQR]"]
@@ -84,7 +96,7 @@ def _plain_table(results: Results, task: str, measures: tuple[Measure, ...]) -> 
         ]
         for method in results.study.methods
     ]
-    return markdown_table(head, rows, words=1)
+    return head, rows
 
 
 def _texts(
@@ -97,6 +109,11 @@ def _texts(
     # Of a run in which nothing was approved, precision or recall is not defined.
     defined = "" if spread.n == cells else f" ({spread.n} of {cells})"
     return spread.mean_text(digits) + defined, spread.median_text(digits)
+
+
+def _capacity(results: Results, task: str, method: str) -> str:
+    held = [cell.capacity for cell in results.group(task, method)]
+    return f"{np.median(held):,.0f}" if held else NOTHING
 
 
 def _seeds(results: Results, task: str, method: str) -> str:

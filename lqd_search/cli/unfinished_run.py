@@ -19,6 +19,7 @@ from lqd_search.evaluation.stopped_functions import MakeEvaluate, WithoutStopped
 from lqd_search.loop import search
 from lqd_search.methods.by_name import FAILURE_COMPETITIONS, METHODS, Setting
 from lqd_search.methods.method import Method
+from lqd_search.methods.plus_switches import Switch
 from lqd_search.methods.steering import STEERING
 from lqd_search.runs.function_text import functionals_digest
 from lqd_search.runs.run_config import RunConfig
@@ -78,6 +79,7 @@ def begin_run(
         batch_size=batch_size,
         explored=sum(text.kind == "fitness" for text in checked.texts) or _EXPLORED,
         failure_competition=failure_competition,
+        switches=tuple(sorted(METHODS[method].switches)),
         llm=functionals.llm,
         prompt_hashes=dict(checked.prompt_hashes),
         model=checked.model,
@@ -228,6 +230,7 @@ def new_method(config: RunConfig, evaluate: MotionEvaluator) -> Method:
             rng=np.random.default_rng(config.seed),
             explored=config.explored,
             failure_competition=config.failure_competition,
+            switches=frozenset(map(Switch, config.switches)),
         )
     )
 
@@ -236,6 +239,7 @@ def _check_choices(folder: RunFolder, config: RunConfig) -> None:
     for what, given, known in (
         ("method", config.method, tuple(METHODS)),
         ("failure_competition", config.failure_competition, FAILURE_COMPETITIONS),
+        *(("switch", switch, tuple(Switch)) for switch in config.switches),
     ):
         if given not in known:
             raise LQDError(

@@ -41,6 +41,7 @@ class Setting:
         explored: Number of fitness functions that `ours` tries, whose exploration ends where the
             ranges of `direct` are learned again.
         failure_competition: One of `FAILURE_COMPETITIONS`.
+        switches: Those that are on in `ours_plus`.
     """
 
     task: Task
@@ -50,6 +51,7 @@ class Setting:
     rng: np.random.Generator
     explored: int = 3
     failure_competition: str = "fitness"
+    switches: Collection[Switch] = KEPT_SWITCHES
 
     def new_competition(self) -> Competition:
         """Return the rule by which a cell is won; a coin is tossed by a generator of its own."""
@@ -65,10 +67,12 @@ class NamedMethod:
     Attributes:
         build: Makes it.
         summary: What it is, in half a sentence.
+        switches: Which are on.
     """
 
     build: Callable[[Setting], Method]
     summary: str
+    switches: frozenset[Switch] = frozenset()
 
 
 def language_driven_qd(
@@ -181,8 +185,9 @@ METHODS: Mapping[str, NamedMethod] = MappingProxyType(
         "ga": NamedMethod(_ga, "a genetic algorithm on the fitness of direct"),
         "random": NamedMethod(_random, "uniform random solutions, the floor"),
         "ours_plus": NamedMethod(
-            lambda setting: ours_with(setting, switches=KEPT_SWITCHES),
+            lambda setting: ours_with(setting, switches=setting.switches),
             "ours with what pays beside it",
+            KEPT_SWITCHES,
         ),
     }
 )

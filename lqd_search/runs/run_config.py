@@ -8,7 +8,7 @@ from typing import Any
 
 from lqd_search.runs.json_form import check_form
 
-RUN_FORMAT = 3
+RUN_FORMAT = 4
 """Version of the run folder's layout; a reader refuses one that it does not know."""
 
 _PACKAGES = (
@@ -42,6 +42,7 @@ class RunConfig:
         batch_size: Solutions in a generation.
         explored: Number of fitness functions that there are, for the exploration of `ours`.
         failure_competition: How two failures compete for a cell: `fitness` or `coin`.
+        switches: The switches of `ours_plus` that are on, in alphabetical order; none for others.
         llm: Where the functionals come from: `replay`, `record` or `live`, `folder` for one that
             the user named, `none` where the expert steers.
         prompt_hashes: For each kind of inference, the hash of its prompts.
@@ -74,6 +75,7 @@ class RunConfig:
     provenance: str
     functionals: str
     lengths: dict[str, int]
+    switches: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
     repaired: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
@@ -95,8 +97,8 @@ class RunConfig:
         """
         check_form(data, cls)
         known = {column.name: data[column.name] for column in fields(cls)}
-        sentences = {name: tuple(known[name]) for name in ("dropped", "repaired", "remarks")}
-        return cls(**{**known, **sentences})
+        names = ("switches", "dropped", "repaired", "remarks")
+        return cls(**{**known, **{name: tuple(known[name]) for name in names}})
 
     def changed_versions(self) -> dict[str, tuple[str, str]]:
         """Return which versions are others here: for each its name, the run's and this one's."""

@@ -17,6 +17,9 @@ def make_figures():
             "sample": cell.sample,
             "evaluations": 320,
             "batch_size": 8,
+            "switches": (),
+            "functionals": "" if cell.method == "handcrafted" else f"digest {cell.sample}",
+            "capacity": 100 if cell.method == "handcrafted" else 160_000,
             "steering": "expert" if cell.method == "handcrafted" else "mesh",
             "valid": 110,
             "rejected": 200,
@@ -38,6 +41,7 @@ def make_figures():
             "model": "a model",
             "provenance": "Made up for a test.",
             "machine": "a machine",
+            "commit": "0123456789ab",
             "versions": {"python": "3.11.0", "numpy": "2.0"},
         }
         return CellFigures(**figures | changes)

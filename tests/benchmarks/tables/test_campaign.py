@@ -6,6 +6,7 @@ import json
 import shutil
 import sys
 
+import numpy as np
 import pytest
 from rich.console import Console
 
@@ -15,6 +16,7 @@ from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_figures import CellError
 from benchmarks.tables.cell_process import run_command, spent
 from benchmarks.tables.cell_store import CellStore
+from benchmarks.tables.machine import describe_commit
 from benchmarks.tables.run_figures import read_run
 from lqd_search.runs.run_folder import RunFolder
 
@@ -34,7 +36,7 @@ def rows(folder):
 @pytest.fixture(scope="session")
 def killed(tmp_path_factory):
     """Return the store of a cell whose benchmark was stopped, its rows then, and the figures."""
-    store = CellStore(tmp_path_factory.mktemp("tables"), EVALUATIONS)
+    store = CellStore(tmp_path_factory.mktemp("tables"), EVALUATIONS, BATCH)
     command = run_command(evaluations=EVALUATIONS, batch_size=BATCH)
     campaign = Campaign(store, command=command, jobs=2)
     folder = store.run_folder(CELL)
@@ -89,17 +91,20 @@ def test_the_figures_are_those_of_the_run(killed):
     assert figures.curve.outcomes[-1] == figures.outcomes
     assert figures.seconds == summary["seconds"]
     assert "CPUs" in figures.machine
+    assert figures.commit == describe_commit()
+    assert figures.capacity == sum(np.prod(grid["dims"]) for grid in summary["grids"])
+    assert (figures.switches, figures.functionals) == ((), "")
 
 
 def test_a_run_of_another_cell_is_refused(killed):
     folder = killed[0].run_folder(CELL)
 
     with pytest.raises(CellError, match=r"Expected the run of the cell faucet\.ga\.seed-6"):
-        read_run(folder, cell=Cell.of("faucet", "ga", 6), steering="direct", machine="")
+        read_run(folder, cell=Cell.of("faucet", "ga", 6), steering="direct", machine="", commit="")
 
 
 def test_a_finished_run_whose_figures_were_not_kept_is_not_run_again(killed, tmp_path):
-    store = CellStore(tmp_path, EVALUATIONS)
+    store = CellStore(tmp_path, EVALUATIONS, BATCH)
     store.prepare()
     shutil.copytree(killed[0].run_folder(CELL), store.run_folder(CELL))
 
@@ -112,7 +117,7 @@ def test_a_finished_run_whose_figures_were_not_kept_is_not_run_again(killed, tmp
 
 
 def test_a_run_of_another_scale_does_not_go_on(killed, tmp_path):
-    store = CellStore(tmp_path, 2 * EVALUATIONS)
+    store = CellStore(tmp_path, 2 * EVALUATIONS, BATCH)
     store.prepare()
     shutil.copytree(killed[0].run_folder(CELL), store.run_folder(CELL))
     (store.run_folder(CELL) / "summary.json").unlink()
@@ -121,8 +126,8 @@ def test_a_run_of_another_scale_does_not_go_on(killed, tmp_path):
         [CELL], on_work=ignore, on_cell=ignore
     )
 
-    assert "Expected a run of 192 evaluations" in outcome.failed[CELL]
-    assert "but it has 96; give each scale a folder of its own" in outcome.failed[CELL]
+    assert "Expected a run of 192 evaluations, 8 a generation" in outcome.failed[CELL]
+    assert "but it has 96 and 8; give each scale a folder of its own" in outcome.failed[CELL]
 
 
 def fail_if_called(_cell, _folder):
@@ -157,7 +162,7 @@ def cells(*seeds):
 
 
 def test_a_cell_that_fails_does_not_keep_the_others_from_being_run(stand_in, tmp_path):
-    store = CellStore(tmp_path / "out", EVALUATIONS)
+    store = CellStore(tmp_path / "out", EVALUATIONS, BATCH)
     seen = []
 
     outcome = Campaign(store, command=stand_in, jobs=2).run(
@@ -170,7 +175,7 @@ def test_a_cell_that_fails_does_not_keep_the_others_from_being_run(stand_in, tmp
 
 
 def test_a_cell_that_another_process_runs_is_left_to_it(stand_in, tmp_path):
-    store = CellStore(tmp_path / "out", EVALUATIONS)
+    store = CellStore(tmp_path / "out", EVALUATIONS, BATCH)
     store.prepare()
 
     with store.claim(cells(1)[0]):

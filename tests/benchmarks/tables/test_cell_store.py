@@ -7,13 +7,14 @@ import pytest
 from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_figures import CellError
 from benchmarks.tables.cell_store import CellStore
+from lqd_search.methods.by_name import METHODS
 
 CELL = Cell.of("faucet", "ours", 3)
 
 
 @pytest.fixture
 def store(tmp_path) -> CellStore:
-    store = CellStore(tmp_path / "out", 320)
+    store = CellStore(tmp_path / "out", 320, 8)
     store.prepare()
     return store
 
@@ -33,11 +34,15 @@ def test_the_runs_are_not_for_a_repository(store):
 
 
 def test_a_folder_has_the_cells_of_one_scale(store, make_figures):
-    with pytest.raises(CellError, match=r"Expected the cell .* of 320 .*, but got .* of 640; give"):
+    with pytest.raises(CellError, match=r"Expected the cell .* of 320 .*, but got .* of 640, 8 a"):
         store.keep(make_figures(CELL, evaluations=640))
+    with pytest.raises(CellError, match=r", 8 a generation, in .*, but got .* of 320, 16 a gen"):
+        store.keep(make_figures(CELL, batch_size=16))
 
     store.keep(make_figures(CELL))
-    with pytest.raises(CellError, match=r"of 640 evaluations in .*, but got .* of 320; give"):
+    with pytest.raises(
+        CellError, match=r"of 640 evaluations, 8 .*, but got .* of 320, 8 a generation; give"
+    ):
         replace(store, evaluations=640).load([CELL])
 
 
@@ -47,6 +52,38 @@ def test_a_file_in_the_place_of_another_cell_is_refused(store, make_figures):
 
     with pytest.raises(CellError, match=r"Expected the cell faucet\.ours\.seed-4.*seed-3"):
         store.load([Cell.of("faucet", "ours", 4)])
+
+
+def test_other_switches_than_the_method_has_now_are_refused(store, make_figures):
+    message = r"Expected the switches none of ours in .*, but it was run with line\+screen; delete"
+    with pytest.raises(CellError, match=message):
+        store.keep(make_figures(CELL, switches=("line", "screen")))
+
+    plus = Cell.of("faucet", "ours_plus", 3)
+    kept = tuple(sorted(METHODS["ours_plus"].switches))
+    store.keep(make_figures(plus, switches=kept))
+    with pytest.raises(CellError, match=r"of ours_plus in .*, but it was run with random; delete"):
+        store.keep(make_figures(plus, switches=("random",)))
+
+
+def test_a_variant_of_ours_has_no_switches(store, make_figures):
+    store.keep(make_figures(Cell.of("faucet", "one_grid", 3)))
+
+
+def test_cells_of_a_recording_have_its_functionals(store, make_figures):
+    cells = [CELL, Cell.of("faucet", "ours", 8), Cell.of("faucet", "random", 3)]
+    store.keep(make_figures(cells[0], functionals="new"))
+    store.keep(make_figures(cells[2], functionals="new"))
+    # Those of another steering are of no account.
+    store.keep(make_figures(Cell.of("faucet", "direct", 3), functionals="", steering="direct"))
+    assert len(store.load(cells)) == 2
+
+    store.keep(make_figures(cells[1], functionals="old"))
+    with pytest.raises(
+        CellError,
+        match=r"in the cells faucet\.ours\.seed-3\S+ and .*seed-8\S+, .* new and old; del",
+    ):
+        store.load(cells)
 
 
 def test_a_damaged_file_is_named(store, make_figures):

@@ -16,7 +16,7 @@ from benchmarks.tables.study import TABLES, StudyError
 @pytest.fixture
 def keep(tmp_path, make_figures):
     """Return a way to keep made-up cells of the smoke scale."""
-    store = CellStore(tmp_path / "out", 320)
+    store = CellStore(tmp_path / "out", 320, 8)
     store.prepare()
 
     def keep_cells(cells, **changes):
@@ -177,5 +177,5 @@ def test_cells_of_ours_are_taken_from_the_tables(keep, tmp_path, make_figures, n
     assert f"1 cells taken from {there}\n" in result.output
     assert Cell.of("faucet", "ours", 0) not in no_campaign.asked
     assert len(no_campaign.asked) == len(ABLATIONS["smoke"].cells) - 1
-    kept = CellStore(tmp_path / "new", 320).load([Cell.of("faucet", "ours", 0)])
+    kept = CellStore(tmp_path / "new", 320, 8).load([Cell.of("faucet", "ours", 0)])
     assert kept == {Cell.of("faucet", "ours", 0): make_figures(Cell.of("faucet", "ours", 0))}

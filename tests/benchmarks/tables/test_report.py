@@ -6,15 +6,19 @@ import json
 
 import pytest
 
+from benchmarks.tables.ablation_study import ABLATIONS
 from benchmarks.tables.box_picture import draw_boxes
 from benchmarks.tables.cell import Cell
+from benchmarks.tables.comparison_table import comparison_section
 from benchmarks.tables.curve_picture import draw_curves
 from benchmarks.tables.figure_files import figure_files
 from benchmarks.tables.long_form import long_form
 from benchmarks.tables.measures import SIZE
-from benchmarks.tables.paper_figures import PaperError, PaperFigures
-from benchmarks.tables.report import table_sections, write_report
+from benchmarks.tables.paper_figures import PaperError, PaperFigure, PaperFigures
+from benchmarks.tables.report import describe, table_sections, write_report
 from benchmarks.tables.results import Results
+from benchmarks.tables.study import TABLES
+from benchmarks.tables.task_tables import final_archive_table
 
 SIZES = {"ours": (10, 12, 20), "handcrafted": (4, 7, 9)}
 
@@ -71,13 +75,13 @@ def test_the_same_cells_give_the_same_bytes(files, results):
     assert before["tables.csv"].decode() == long_form(results)
 
 
-def test_means_medians_and_the_papers_figures_stand_side_by_side(tables):
+def test_means_and_medians_stand_side_by_side(tables):
     table = section(tables, "Faucet: the final archive")
 
     assert (
-        "| ours | 3 | 14.0 ± 5.3 | not at hand | 12.0 [11.0, 16.0] "
-        "| 5.0 ± 0.0 | not at hand | 5.0 [5.0, 5.0] |"
+        "| ours | 3 | 14.0 ± 5.3 | 12.0 [11.0, 16.0] | 5.0 ± 0.0 | 5.0 [5.0, 5.0] | 160,000 |"
     ) in table
+    assert "The paper's own figures are not at hand." in table
     assert "Three of the paper's methods fill exactly 85" in table
     assert "85" not in section(tables, "Drawer: the final archive")
 
@@ -86,19 +90,71 @@ def test_what_is_not_finished_is_said(tables):
     assert "11 of 12 cells are finished" in tables
     assert "| handcrafted | 2 of 3 | 5.5 ± 2.1 |" in section(tables, "Drawer: the final archive")
     assert "2 of the 4 declared comparisons are complete" in tables
-    assert "| drawer | success archive size | ours : handcrafted | - | - | - |" in tables
+    assert "| drawer | success archive size | ours : handcrafted | - | - | - | no |" in tables
 
 
 def test_the_comparisons_are_those_that_were_declared(tables):
     # 3 against 3 that do not overlap: 2 of 20 deals, times 4 declared comparisons.
-    assert "ours : handcrafted | 1.00 [1.00, 1.00] | 0.100 | 0.400 |" in tables
+    assert "ours : handcrafted | 1.00 [1.00, 1.00] | 0.100 | 0.400 | no |" in tables
     assert "the smallest adjusted one 0.400: at this scale no comparison can be" in tables
+
+
+def test_a_comparison_that_capacity_decides_is_marked(study, make_figures):
+    def marks(*sizes):
+        cells = {
+            cell: make_figures(
+                cell,
+                success_archive_size=sizes[cell.seed] if cell.method == "ours" else 100,
+                ground_truth_cells=sizes[cell.seed],
+            )
+            for cell in study.cells
+        }
+        lines = comparison_section(Results(study, cells)).splitlines()
+        return [line.rsplit("|", 2)[1].strip() for line in lines if line.startswith("| faucet")]
+
+    # `handcrafted` has room for 100; of cells there are no more for the one than for the other.
+    assert marks(101, 300, 500) == ["yes", "no"]
+    assert marks(100, 300, 500) == ["no", "no"]
+
+
+def test_the_papers_figures_stand_beside_ours_where_they_are_at_hand(results):
+    figure = PaperFigure("faucet", "ours", SIZE.name, 41.5, 3.0, "a table")
+    paper = PaperFigures((figure,), ())
+
+    table = final_archive_table(results, "faucet", paper=paper)
+    assert (
+        "| ours | 3 | 14.0 ± 5.3 | 41.5 ± 3 | 12.0 [11.0, 16.0] "
+        "| 5.0 ± 0.0 | not at hand | 5.0 [5.0, 5.0] | 160,000 |"
+    ) in table
+    assert "the paper's" not in final_archive_table(results, "drawer", paper=paper)
+
+
+def test_at_which_commits_cells_were_run_is_said(study, make_figures):
+    def said(*commits):
+        cells = {
+            c: make_figures(c, commit=one) for c, one in zip(study.cells, commits, strict=False)
+        }
+        return describe(Results(study, cells))
+
+    assert "\n\nCommit: abc.\n" in said("abc", "abc")
+    assert "\n\nCommits, with the number of cells: abc 2, def+ 1, unknown 1.\n" in said(
+        "abc", "def+", "abc", ""
+    )
+
+
+def test_which_recordings_served_is_said():
+    assert "seed k with recording k mod 5." in describe(Results(TABLES["small"], {}))
+    assert "seed k with recording k mod 5; 24 cells beside them cross recordings and seeds." in (
+        describe(Results(ABLATIONS["small"], {}))
+    )
 
 
 def test_precision_and_recall_leave_out_what_the_expert_steers(tables):
     table = section(tables, "The inferred success condition")
 
-    assert "| faucet | ours | 3 | 0.750 ± 0.000 | 0.750 [0.750, 0.750] | 0.562 ± 0.000" in table
+    assert (
+        "| faucet | ours | mesh | 3 | 0.750 ± 0.000 | 0.750 [0.750, 0.750] | 0.562 ± 0.000" in table
+    )
     assert "handcrafted" not in table
 
 

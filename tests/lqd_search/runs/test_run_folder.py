@@ -267,7 +267,7 @@ def test_a_damaged_configuration_is_named(folder, text, message):
         ({"versions": {"numpy": 2}}, "Expected a string at 'versions.numpy', but got 2"),
         ({"dropped": [None]}, r"Expected a string at 'dropped\[0\]', but got None"),
         ({"prompt_hashes": 3}, "Expected an object at 'prompt_hashes', but got 3"),
-        ({"format": 3.0}, "Expected an integer at 'format', but got 3.0"),
+        ({"format": 4.0}, "Expected an integer at 'format', but got 4.0"),
     ],
 )
 def test_a_configuration_with_another_value_is_named(folder, change, message):
@@ -283,7 +283,7 @@ def test_another_layout_is_refused(folder, more):
     data = json.loads((folder.path / "config.json").read_text())
     (folder.path / "config.json").write_text(json.dumps(data | {"format": 99} | more))
 
-    with pytest.raises(RunFolderError, match=r"Expected the layout 3 in .*, got 99"):
+    with pytest.raises(RunFolderError, match=r"Expected the layout 4 in .*, got 99"):
         RunFolder.open(folder.path)
 
 
