@@ -27,6 +27,9 @@ KEPT_SWITCHES: frozenset[Switch] = frozenset()
 FAILURE_COMPETITIONS = ("fitness", "coin")
 """How two failures compete for a cell: by fitness, or by Huber's coin."""
 
+# Tells the coin's generator from all others that begin with the same seed.
+_COIN = 0xC0
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -54,9 +57,14 @@ class Setting:
     switches: Collection[Switch] = KEPT_SWITCHES
 
     def new_competition(self) -> Competition:
-        """Return the rule by which a cell is won; a coin is tossed by a generator of its own."""
+        """Return the rule by which a cell is won; a coin is tossed by a generator of its own.
+
+        It leaves `rng` as it is, so that with the same seed a search begins with the same batch by
+        either rule.
+        """
         if self.failure_competition == "coin":
-            return compete_by_coin(self.rng.spawn(1)[0])
+            seed = self.rng.bit_generator.seed_seq
+            return compete_by_coin(np.random.default_rng([*seed.generate_state(4), _COIN]))
         return compete_by_fitness
 
 

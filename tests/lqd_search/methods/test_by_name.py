@@ -7,7 +7,7 @@ from lqd_envs import PAPER_TASKS, SolutionSpace, get_task
 from lqd_search import METHODS, ExpertJudge, Setting, Values, compete_by_fitness
 from lqd_search.evaluation.contact import CONTACT
 from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
-from lqd_search.methods.by_name import KEPT_SWITCHES, repair_motions
+from lqd_search.methods.by_name import FAILURE_COMPETITIONS, KEPT_SWITCHES, repair_motions
 from lqd_search.methods.plus_switches import Switch
 from lqd_search.methods.steering import EXPERT as BY_EXPERT
 from lqd_search.methods.steering import STEERING
@@ -105,6 +105,14 @@ def test_failures_compete_by_a_coin_of_their_own():
     coin = setting("ours", failure_competition="coin").new_competition()
     assert by_fitness is compete_by_fitness
     assert coin.rng.random() != np.random.default_rng(0).random()
+
+
+def test_the_first_batch_does_not_depend_on_how_failures_compete():
+    first = [
+        METHODS["ours"].build(setting("ours", failure_competition=rule)).ask()
+        for rule in FAILURE_COMPETITIONS
+    ]
+    assert first[0].tobytes() == first[1].tobytes()
 
 
 def test_switches_are_known():
