@@ -177,6 +177,8 @@ def _finish(folder: RunFolder, *, threads: int, client: "Client | None", allow_w
         pictures = go_on(folder, threads=threads, client=client, allow_weak=allow_weak)
     except KeyboardInterrupt:
         again = f"lqd run --resume {quote(str(folder.path))}"
+        if allow_weak:
+            again += " --allow-weak-sandbox"
         click.echo(f"lqd: stopped; go on with `{again}`", err=True)
         sys.exit(_INTERRUPTED)
     print_summary(folder.summary())

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -133,6 +134,12 @@ def go_on(
         LQDError: The run cannot go on; what was finished is kept.
     """
     with folder.locked():
+        # Another process may have finished it just before.
+        if folder.finished:
+            raise LQDError(
+                f"Expected an unfinished run in {folder.path}, but it is finished by now; see its "
+                f"figures with `lqd show {quote(str(folder.path))}`."
+            )
         return _go_on(folder, threads=threads, client=client, allow_weak=allow_weak)
 
 
@@ -255,5 +262,5 @@ def _check_functionals(folder: RunFolder, config: RunConfig) -> None:
         raise LQDError(
             f"Expected the functionals in {folder.path} to be those that the run began with, but "
             "they were changed; restore them, or begin another run with "
-            f"`lqd run {config.task} --functionals {folder.path / 'functionals'}`."
+            f"`lqd run {config.task} --functionals {quote(str(folder.path / 'functionals'))}`."
         )

@@ -4,6 +4,7 @@ import hashlib
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from lqd_envs import LQDError
@@ -57,7 +58,7 @@ def save_checkpoint(path: Path, state: Any, *, trusted: Iterable[Trusted] = ()) 
         raise CheckpointError(
             f"Expected to write the checkpoint {path}, but that failed "
             f"({error.strerror or error}); the last checkpoint is untouched: make space or make "
-            f"the folder writable, then go on with `lqd run --resume {path.parent}`."
+            f"the folder writable, then go on with `lqd run --resume {quote(str(path.parent))}`."
         ) from error
 
 

@@ -111,6 +111,8 @@ class RunRecorder:
             successes=successes,
             outcomes=self._outcomes.figures,
         )
+        # As a whole, since rows that were only appended need not be on the disk yet.
+        self._folder.metrics.write(self._state.metrics)
         # Last, since a run is finished when it has a summary.
         self._folder.write(SUMMARY, (json.dumps(summary, indent=2) + "\n").encode())
         self._folder.state.remove()

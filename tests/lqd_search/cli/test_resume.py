@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from lqd_search.runs.run_config import installed_versions
 from lqd_search.runs.run_folder import RunFolder
 
 
@@ -281,17 +282,48 @@ def go_on_for_a_generation(folder, call, monkeypatch):
 
 
 def test_other_versions_are_noted(copy, call, monkeypatch):
-    config = json.loads((copy / "config.json").read_text())
-    here = config["versions"]["numpy"]
-    edit(copy, versions=config["versions"] | {"numpy": "1.2.3"})
-
+    began = installed_versions()
+    here = began | {"numpy": "1.2.3"}
+    monkeypatch.setattr("lqd_search.runs.run_config.installed_versions", lambda: here)
     monkeypatch.setattr("lqd_search.cli.progress.RunProgress.show", interrupt)
-    _, _, err = call("run", "--resume", copy)
+    status, _, err = call("run", "--resume", copy)
 
     assert (
-        f"note: the run began with other versions, numpy 1.2.3 (here {here}); it may end otherwise "
-        "than it would have with them\n"
+        f"note: the run began with other versions, numpy {began['numpy']} (here 1.2.3); it may end "
+        "otherwise than it would have with them\n"
     ) in err
+    # It goes on, as far as to its progress.
+    assert status == 130
+
+
+def test_a_run_that_is_finished_by_another_process_is_not_begun_again(copy, run, call, monkeypatch):
+    # Another process ends the run between the look at the folder and the lock.
+    locked = RunFolder.locked
+
+    def finish_and_lock(folder):
+        for name in ("archive.npz", "outcomes.npz", "metrics.csv", "summary.json"):
+            shutil.copy(run[0] / name, copy / name)
+        folder.state.remove()
+        return locked(folder)
+
+    monkeypatch.setattr(RunFolder, "locked", finish_and_lock)
+    status, out, err = call("run", "--resume", copy)
+
+    assert (status, out) == (2, "")
+    assert err.endswith(
+        f"lqd: Expected an unfinished run in {copy}, but it is finished by now; see its figures "
+        f"with `lqd show {copy}`.\n"
+    )
+    assert results(copy) == results(run[0])
+    assert (copy / "metrics.csv").read_bytes() == (run[0] / "metrics.csv").read_bytes()
+
+
+def test_who_allowed_a_weak_sandbox_is_told_to_do_so_again(copy, call, monkeypatch):
+    monkeypatch.setattr("lqd_search.cli.progress.RunProgress.show", interrupt)
+    status, _, err = call("run", "--resume", copy, "--allow-weak-sandbox")
+
+    assert status == 130
+    assert err.endswith(f"go on with `lqd run --resume {copy} --allow-weak-sandbox`\n")
 
 
 def interrupt(*_):
