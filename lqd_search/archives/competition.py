@@ -48,7 +48,8 @@ The outcome is that of inserting the candidates one by one in their order.
 def compete_by_fitness(candidates: Candidates, incumbents: Incumbents) -> NDArray[np.intp]:
     """Let a success beat a failure, and otherwise the strictly higher objective win.
 
-    An empty cell takes whatever comes. A tie keeps the elite that is there.
+    This is the competition of the paper's MAP-Elites Success. An empty cell takes whatever comes. A
+    tie keeps the elite that is there.
 
     Args:
         candidates: Those who want in.

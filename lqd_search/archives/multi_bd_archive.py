@@ -24,11 +24,14 @@ class MultiBDArchive(ArchiveBase):
     columns is undefined there and is not offered to that grid. A descriptor has no grid before
     `set_grid`, since its range may not be known yet.
 
-    pyribs' schedulers and those of its emitters that only sample elites, such as `GaussianEmitter`,
-    run on it: give every descriptor its grid first, and pass `success=` and the extra fields to
-    their `tell`. Of pyribs' archive interface, `data`, `retrieve`, `retrieve_single` and iteration
-    are not implemented, since an elite has other measures in each grid: see `elites`,
-    `grid_elites` and `grids`.
+    It is the archive that the paper's MAP-Elites Success fills for a mesh of descriptors.
+
+    pyribs' schedulers run on it, and its emitters: those that sample elites, and CMA-ME with the
+    rankers `imp`, `2imp`, `obj` and `2obj` where all measures are defined, but not with `rd` and
+    `2rd`, which need the bounds of one measure space. Give every descriptor its grid first, and
+    pass `success=` and the extra fields to their `tell`. Of pyribs' archive interface, `data`,
+    `retrieve`, `retrieve_single` and iteration are not implemented, since an elite has other
+    measures in each grid: see `elites`, `grid_elites` and `grids`.
 
     Args:
         descriptors: For each descriptor, in order, its number of measures.

@@ -15,9 +15,10 @@ def select_parents(
 ) -> NDArray[np.intp]:
     """Select n parents from the elites of one grid, successes first.
 
-    If there are at least n successes, n of them without replacement. Otherwise, if there are at
-    least n elites, all successes and the rest uniformly without replacement from the others.
-    Otherwise n uniformly with replacement from all elites.
+    This is the selection of the paper's MAP-Elites Success, without tournaments. If there are at
+    least n successes, n of them without replacement. Otherwise, if there are at least n elites, all
+    successes and the rest uniformly without replacement from the others. Otherwise n uniformly with
+    replacement from all elites.
 
     Args:
         n: Number of parents.

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from ribs.emitters import GaussianEmitter
+from ribs.emitters import (
+    EvolutionStrategyEmitter,
+    GaussianEmitter,
+    GeneticAlgorithmEmitter,
+    IsoLineEmitter,
+)
 from ribs.schedulers import Scheduler
 
 from lqd_search import ArchiveError, GridSpec, MultiBDArchive, ValuesError, compete_by_coin
@@ -361,10 +366,28 @@ def test_it_can_be_pickled_and_goes_on_the_same():
     assert sampled == twin.sample_elites(9)["evaluation"].tolist()
 
 
+STOCK = {"x0": [0.5, 0.5], "batch_size": 20, "seed": 2}
+LINES = {"iso_sigma": 0.1, "line_sigma": 0.2}
+STOCK_EMITTERS = {
+    "Gaussian": lambda archive: GaussianEmitter(archive, sigma=0.2, **STOCK),
+    "iso+line": lambda archive: IsoLineEmitter(archive, **LINES, **STOCK),
+    "genetic": lambda archive: GeneticAlgorithmEmitter(
+        archive, operator="isoline", operator_kwargs=LINES, **STOCK
+    ),
+    **{
+        f"CMA-ME, {ranker}": lambda archive, ranker=ranker: EvolutionStrategyEmitter(
+            archive, sigma0=0.2, ranker=ranker, **STOCK
+        )
+        for ranker in ("imp", "2imp", "obj", "2obj")
+    },
+}
+
+
 @pytest.mark.parametrize("add_mode", ["batch", "single"])
-def test_a_stock_scheduler_and_emitter_of_pyribs_run_on_it(add_mode):
+@pytest.mark.parametrize("make_emitter", STOCK_EMITTERS.values(), ids=STOCK_EMITTERS)
+def test_stock_schedulers_and_emitters_of_pyribs_run_on_it(make_emitter, add_mode):
     archive = new_archive(seed=1)
-    emitter = GaussianEmitter(archive, sigma=0.2, x0=[0.5, 0.5], batch_size=20, seed=2)
+    emitter = make_emitter(archive)
     scheduler = Scheduler(archive, [emitter], add_mode=add_mode)
     for generation in range(5):
         solutions = scheduler.ask()
@@ -374,7 +397,8 @@ def test_a_stock_scheduler_and_emitter_of_pyribs_run_on_it(add_mode):
             success=solutions[:, 0] > 0.5,
             evaluation=np.arange(20) + 20 * generation,
         )
-    assert len(archive.grids["b"]) == 4
+    assert len(archive.grids["b"]) in (2, 3, 4)
     assert len(archive.grids["a"]) > 5
     right = archive.grid_elites("b")
-    assert right["success"].tolist() == [False, False, True, True]
+    assert right["success"].tolist() == (right["solution"][:, 0] > 0.5).tolist()
+    assert right["success"].any()
