@@ -87,7 +87,7 @@ _INFERRING = ("llm", "recordings", "instruction", "model", "effort", "max_tokens
     "--workers",
     metavar="WHERE",
     help="Evaluate on a Dask cluster: tcp://HOST:PORT, or local:N for N processes here; the result "
-    "does not depend on it.",
+    "does not depend on it, on processors of the same kind.",
 )
 @click.option(
     "--out",

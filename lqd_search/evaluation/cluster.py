@@ -3,13 +3,13 @@
 import logging
 import re
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any
 
 from lqd_envs.errors import LQDError
-from lqd_search.runs.run_config import installed_versions
+from lqd_search.evaluation.installation import OWN_PACKAGES, installation, processor
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -18,6 +18,7 @@ _LOCAL = re.compile(r"local:([1-9][0-9]*)")
 _REMOTE = re.compile(r"tcp://[^\s/]+:[0-9]+")
 _CONNECT_SECONDS = 10
 _RESTART_PATIENCE = "1 day"
+_LOG = logging.getLogger(__name__)
 _LOGGERS = ("distributed", "distributed.client", "distributed.gc")
 
 
@@ -45,8 +46,10 @@ def import_distributed() -> Any:
 def open_cluster(address: str) -> Iterator["Client"]:
     """Connect to a Dask cluster for the length of a `with` block.
 
-    Every worker that is there must have the versions that are installed here, since a result may
-    depend on them. Inside the block, Dask logs errors only.
+    Every worker that is there must have the versions, and of this project's packages the sources,
+    that are installed here, since a result may depend on them; a `ClusterEvaluator` asks the same
+    of those that come later. A worker with another processor is noted in the log and used. Inside
+    the block, Dask logs errors only.
 
     Args:
         address: `"tcp://host:port"`, the address of a running scheduler, or `"local:N"` for N
@@ -57,7 +60,7 @@ def open_cluster(address: str) -> Iterator["Client"]:
 
     Raises:
         ClusterError: The address has another form, nothing answers there, there is no worker, a
-            worker has other versions, or `distributed` is not installed.
+            worker has other versions or sources, or `distributed` is not installed.
     """
     local = _LOCAL.fullmatch(address)
     if not local and not _REMOTE.fullmatch(address):
@@ -147,27 +150,67 @@ def _connection(distributed: Any, scheduler: Any, *, address: str) -> Iterator["
 def _check_workers(client: Any, address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
-        versions = client.run(installed_versions, on_error="return")
+        answers = client.run(_introduce, on_error="return")
     except OSError as error:
         raise ClusterError(
             f"Expected a worker at the scheduler {address}, but none came within "
             f"{_CONNECT_SECONDS} seconds; start some with `dask worker {address}`."
         ) from error
-    for worker, found in versions.items():
-        _check_versions(worker, found)
-
-
-def _check_versions(worker: str, found: dict[str, str] | Exception) -> None:
-    if isinstance(found, Exception):
-        raise ClusterError(
-            f"Expected worker {worker} to say which versions it has, but it raised "
-            f"{type(found).__name__}: {found}; install lqd-envs with its extra `cluster` there."
-        )
-    here = installed_versions()
-    for name in {**here, **found}:
-        if here.get(name) != found.get(name):
+    for worker, answer in answers.items():
+        if isinstance(answer, Exception):
             raise ClusterError(
-                f"Expected worker {worker} to have {name} {here.get(name)} as here, but it has "
-                f"{found.get(name)}; install the same versions on both, since results depend on "
-                "them."
+                f"Expected worker {worker} to say which versions it has, but it raised "
+                f"{type(answer).__name__}: {answer}; install lqd-envs with its extra `cluster` "
+                "there."
             )
+        installed, chip = answer
+        check_installation(worker, installed, expected=installation())
+        _note_processor(worker, chip)
+
+
+def _introduce() -> tuple[Mapping[str, str], str]:
+    return installation(), processor()
+
+
+def check_installation(
+    worker: str, found: Mapping[str, str], *, expected: Mapping[str, str]
+) -> None:
+    """Refuse a worker that has another installation than the process that uses it.
+
+    Args:
+        worker: Its address.
+        found: Its `installation()`.
+        expected: That of the process that uses it.
+
+    Raises:
+        ClusterError: They differ.
+    """
+    for name in {**expected, **found}:
+        pair = expected.get(name, "none"), found.get(name, "none")
+        if pair[0] != pair[1]:
+            raise ClusterError(_difference(worker, name, *pair))
+
+
+def _difference(worker: str, name: str, expected: str, found: str) -> str:
+    if name in OWN_PACKAGES:
+        return (
+            f"Expected worker {worker} to run the sources of {name} that run here, but it runs "
+            f"others (SHA-256 {found[:12]} instead of {expected[:12]}); install the same commit of "
+            "lqd-envs on both and restart the worker, since results depend on it."
+        )
+    return (
+        f"Expected worker {worker} to have {name} {expected} as here, but it has {found}; install "
+        "the same versions on both, since results depend on them."
+    )
+
+
+def _note_processor(worker: str, found: str) -> None:
+    here = processor()
+    if found != here:
+        _LOG.warning(
+            "note: worker %s computes on %s and this machine on %s; its values may differ in their "
+            "last bits",
+            worker,
+            found,
+            here,
+        )

@@ -2,7 +2,7 @@
 
 import pickle
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_search.evaluation.cluster import ClusterError, import_distributed
+from lqd_search.evaluation.cluster import ClusterError, check_installation, import_distributed
 from lqd_search.evaluation.concatenation import concatenate_values
+from lqd_search.evaluation.installation import installation
 from lqd_search.evaluation.values import Values
 from lqd_search.evaluation.worker_pool import WorkerPool
 
@@ -30,8 +31,10 @@ class ClusterEvaluator:
 
     The values are, bit for bit, those that the recipe's evaluator gives here, at any number of
     workers and in chunks of any size, as long as each row of an evaluator's values depends on its
-    own solution alone. A worker builds its evaluator once and keeps it; what travels back are
-    values only.
+    own solution alone and the workers have this machine's kind of processor. A worker builds its
+    evaluator once and keeps it; what travels back are values only. Each chunk says what is
+    installed here, and a worker that has other versions or sources evaluates none, whenever it
+    joined.
 
     A chunk whose worker died is evaluated again by another one. Where no chunk has come back for
     `patience` seconds, the workers that are evaluating one are taken to hang: those that have a
@@ -68,8 +71,9 @@ class ClusterEvaluator:
         An error that the evaluation itself raises on a worker is raised here as it is.
 
         Raises:
-            ClusterError: The scheduler or all workers are gone, or a chunk lost its worker or hung
-                more than `retries` times.
+            ClusterError: The scheduler or all workers are gone, a chunk lost its worker or hung
+                more than `retries` times, or a worker has other versions or sources than are
+                installed here.
         """
         starts = range(0, max(len(solutions), 1), self._chunk)
         chunks = [_Chunk(start, solutions[start : start + self._chunk]) for start in starts]
@@ -77,13 +81,20 @@ class ClusterEvaluator:
         return concatenate_values(batch.evaluate())
 
 
-def evaluate_chunk(recipe: bytes, solutions: NDArray[np.float64]) -> Values:
+def evaluate_chunk(
+    recipe: bytes, solutions: NDArray[np.float64], expected: Mapping[str, str]
+) -> Values:
     """Evaluate a chunk on the worker that this runs on.
 
     Args:
         recipe: The pickled recipe, whose evaluator is built unless this process has it already.
         solutions: (n, dim) solutions.
+        expected: What is installed where the values are used.
+
+    Raises:
+        ClusterError: Something else is installed here.
     """
+    check_installation(_this_worker(), installation(), expected=expected)
     # What comes over the network is read-only, and an evaluator need not expect that.
     values = _evaluator(recipe)(np.array(solutions))
     if values.stopped:
@@ -91,6 +102,10 @@ def evaluate_chunk(recipe: bytes, solutions: NDArray[np.float64]) -> Values:
         # another run, must not depend on that.
         _evaluator.cache_clear()
     return values
+
+
+def _this_worker() -> str:
+    return cast(str, import_distributed().get_worker().address)
 
 
 @lru_cache(maxsize=4)
@@ -155,7 +170,11 @@ class _Batch:
         while self._waiting and len(self._flying) < max(1, len(workers)):
             chunk = self._waiting[0]
             future = self._cluster.submit(
-                evaluate_chunk, self._recipe, chunk.solutions, workers=workers
+                evaluate_chunk,
+                self._recipe,
+                chunk.solutions,
+                installation(),
+                workers=workers,
             )
             self._flying[future] = self._waiting.popleft()
 

@@ -8,6 +8,7 @@ import pytest
 
 from lqd_search.evaluation import cluster
 from lqd_search.evaluation.cluster import ClusterError, open_cluster
+from lqd_search.evaluation.installation import installation
 
 
 @contextmanager
@@ -72,25 +73,75 @@ def test_a_scheduler_without_workers_is_an_error():
         pass
 
 
-def test_workers_with_other_versions_are_refused(monkeypatch):
-    def versions():
-        here = threading.current_thread() is threading.main_thread()
-        return {"mujoco": "4.0.0", "numpy": "2.4.6" if here else "2.3.0"}
+def elsewhere(monkeypatch, name, *, here, there):
+    """Let a function of the module give another answer in the threads of workers than here."""
 
-    monkeypatch.setattr(cluster, "installed_versions", versions)
+    def answer():
+        return here if threading.current_thread() is threading.main_thread() else there
+
+    monkeypatch.setattr(cluster, name, answer)
+
+
+def test_workers_with_other_versions_are_refused(monkeypatch):
+    here, there = {"mujoco": "4.0.0", "numpy": "2.4.6"}, {"mujoco": "4.0.0", "numpy": "2.3.0"}
+    elsewhere(monkeypatch, "installation", here=here, there=there)
     with (
         running(n_workers=1) as address,
-        pytest.raises(ClusterError, match=r"have numpy 2\.4\.6 as here, but it has 2\.3\.0"),
+        pytest.raises(ClusterError, match=r"have numpy 2\.4\.6 as here, but it has 2\.3\.0; inst"),
         open_cluster(address),
     ):
         pass
 
 
+def test_workers_on_another_checkout_are_refused(monkeypatch):
+    here = installation()
+    there = {**here, "lqd_search": "0123456789abcdef" * 4}
+    elsewhere(monkeypatch, "installation", here=here, there=there)
+    with (
+        running(n_workers=1) as address,
+        pytest.raises(
+            ClusterError,
+            match=r"^Expected worker tcp://\S+ to run the sources of lqd_search that run here, but "
+            rf"it runs others \(SHA-256 0123456789ab instead of {here['lqd_search'][:12]}\); "
+            "install the same commit",
+        ),
+        open_cluster(address),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("more", ["here", "there"])
+def test_a_package_that_only_one_of_them_compares_is_a_difference(monkeypatch, more):
+    installations = {"here": {"numpy": "2.4.6"}, "there": {"numpy": "2.4.6"}}
+    installations[more]["jax"] = "0.9.1"
+    elsewhere(monkeypatch, "installation", **installations)
+    versions = [installations[place].get("jax", "none") for place in ("here", "there")]
+    with (
+        running(n_workers=1) as address,
+        pytest.raises(ClusterError, match="have jax {} as here, but it has {};".format(*versions)),
+        open_cluster(address),
+    ):
+        pass
+
+
+def test_workers_with_another_processor_are_noted_and_used(monkeypatch, caplog):
+    elsewhere(monkeypatch, "processor", here="x86_64 One", there="x86_64 Another")
+    with running(n_workers=1) as address, open_cluster(address) as client:
+        (worker,) = client.nthreads()
+        assert client.submit(add, 1, 2).result() == 3
+    (record,) = (r for r in caplog.records if r.name == cluster.__name__)
+    assert (record.levelname, record.getMessage()) == (
+        "WARNING",
+        f"note: worker {worker} computes on x86_64 Another and this machine on x86_64 One; its "
+        "values may differ in their last bits",
+    )
+
+
 def test_workers_that_cannot_say_their_versions_are_refused(monkeypatch):
-    def versions():
+    def installed():
         raise ModuleNotFoundError("No module named 'lqd_search'")
 
-    monkeypatch.setattr(cluster, "installed_versions", versions)
+    monkeypatch.setattr(cluster, "installation", installed)
     with (
         running(n_workers=1) as address,
         pytest.raises(ClusterError, match=r"ModuleNotFoundError: No module .*; install lqd-envs"),

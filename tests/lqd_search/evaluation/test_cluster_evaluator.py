@@ -1,5 +1,6 @@
 import dataclasses
 import os
+import re
 import signal
 import sys
 import threading
@@ -13,9 +14,11 @@ import pytest
 
 from lqd_envs import SolutionSpace, get_task, rollout
 from lqd_search import FunctionalEvaluator, Functionals, Values, ValuesError
+from lqd_search.evaluation import cluster_evaluator
 from lqd_search.evaluation.cluster import ClusterError, open_cluster
 from lqd_search.evaluation.cluster_evaluator import ClusterEvaluator, evaluate_chunk
 from lqd_search.evaluation.functional_calls import RefusedValueError
+from lqd_search.evaluation.installation import installation
 from lqd_search.evaluation.mesh_judge import MeshJudge
 from lqd_search.evaluation.motion_evaluator import MotionEvaluator
 from lqd_search.evaluation.refusals import Refusals
@@ -186,6 +189,35 @@ def test_a_chunk_whose_worker_dies_is_evaluated_again(client, tmp_path, capfd):
     assert capfd.readouterr().err == ""
 
 
+def install(name, version):
+    """Let this process be one where something else is installed."""
+    installed = {**installation(), name: version}
+    cluster_evaluator.installation = lambda: installed
+
+
+def test_a_worker_that_comes_later_with_something_else_installed_is_refused(tmp_path):
+    with open_cluster("local:1") as client:
+        evaluate = ClusterEvaluator(client, Toy(tmp_path), chunk=1)
+        (first,) = client.nthreads()
+        assert bits(evaluate(SOLUTIONS)) == bits(toy_values(SOLUTIONS))
+
+        client.cluster.scale(2)
+        client.wait_for_workers(2)
+        (late,) = client.nthreads().keys() - {first}
+        here = installation()["mujoco"]
+        for name, version, message in [
+            ("mujoco", "3.0.0", f"to have mujoco {here} as here, but it has 3.0.0; install the"),
+            ("lqd_envs", "0" * 64, "to run the sources of lqd_envs that run here, but it runs"),
+        ]:
+            client.run(install, name, version, workers=[late])
+            expected = re.escape(f"Expected worker {late} {message}")
+            with pytest.raises(ClusterError, match=f"^{expected}"):
+                evaluate(SOLUTIONS)
+
+        pids = client.run(os.getpid)
+        assert (tmp_path / "built").read_text().split() == [str(pids[first])]
+
+
 @pytest.mark.slow
 def test_a_worker_that_hangs_is_restarted(client, tmp_path):
     recipe = Toy(tmp_path, hang, times=1)
@@ -219,9 +251,12 @@ class Stopping:
         return evaluate
 
 
-def test_an_evaluator_that_stopped_a_function_is_made_anew():
-    recipe = cloudpickle.dumps(Stopping())
-    parts = [evaluate_chunk(recipe, SOLUTIONS[:8]) for _ in range(5)]
+@pytest.mark.parametrize("without_nannies", [1], indirect=True)
+def test_an_evaluator_that_stopped_a_function_is_made_anew(without_nannies):
+    arguments = cloudpickle.dumps(Stopping()), SOLUTIONS[:8], installation()
+    parts = [
+        without_nannies.submit(evaluate_chunk, *arguments, pure=False).result() for _ in range(5)
+    ]
     assert [len(part.stopped) for part in parts] == [0, 1, 0, 1, 0]
 
 
