@@ -10,6 +10,7 @@ import click
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from benchmarks.instances.declared import INSTANCE_SEED
 from benchmarks.instances.judged_run import InstancesError, JudgedRun, RunLabel, check_labels
 from benchmarks.instances.judging import Judging
 from benchmarks.instances.report import write_report
@@ -38,7 +39,11 @@ Instances = Mapping[tuple[str, str], Sequence[Instance]]
     help="Instances of each kind, for each task.",
 )
 @click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Their seed."
+    "--seed",
+    type=click.IntRange(min=0),
+    default=INSTANCE_SEED,
+    show_default=True,
+    help="Their seed.",
 )
 @click.option(
     "--kinds", callback=names, help=f"Only these of {','.join(KINDS)}.  [default: all of them]"
@@ -87,9 +92,11 @@ def main(
             "a run."
         )
     check_labels(labels)
+    store.check_archives(labels)
     instances = _instances(labels, kinds=kinds or list(KINDS), count=count, seed=seed)
     _judge_missing(store, folders, instances, threads=jobs or usable_cpus())
-    for path in write_report(out, Results.load(store, labels, instances))[:2]:
+    results = Results.load(store, labels, instances, seed=seed)
+    for path in write_report(out, results)[:2]:
         click.echo(str(path))
 
 

@@ -11,7 +11,6 @@ from lqd_search.adaptation import SELECTORS, ArchiveView
 from lqd_search.runs.stored_archive import StoredArchive
 
 _MOST_TRIES = max(TRIES)
-
 Rows = NDArray[np.intp]
 
 
@@ -35,7 +34,20 @@ class Candidates:
     @property
     def simulated(self) -> Rows:
         """Those that are simulated in an instance with dynamics of its own, ascending."""
-        return np.unique(np.concatenate([self.sample, *self.picks.values()]))
+        return self.with_picks(self.sample)
+
+    def with_picks(self, judged: Rows) -> Rows:
+        """Return these and what selectors choose beside them, ascending."""
+        return np.unique(np.concatenate([judged, *self.picks.values()]))
+
+
+def most_looked_at(cap: int) -> int:
+    """Return the most motions that are looked at where not all are: drawn and chosen ones.
+
+    Args:
+        cap: Most motions in a sample.
+    """
+    return cap + _MOST_TRIES * len(SELECTORS)
 
 
 def candidates_of(archive: StoredArchive, *, cap: int, seed: int) -> Mapping[str, Candidates]:

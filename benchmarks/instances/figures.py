@@ -1,10 +1,12 @@
 """The figures of an archive in an instance, each a probability."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from benchmarks.instances.chance import chance
 from benchmarks.instances.declared import SIZES, SUBSETS, TRIES
+from benchmarks.instances.fixed_motion import HINDSIGHT, LEAVE_ONE_OUT, solved_by_one
+from benchmarks.instances.judged_run import InstancesError
 from benchmarks.instances.judgement import FilterFigures
 from lqd_search.adaptation import SELECTORS
 
@@ -17,15 +19,17 @@ class SomeMotion:
     """The probability that some motion of an archive solves an instance.
 
     Attributes:
-        size: Of a random subset of so many motions; None: of all that were judged.
+        size: Of a random subset of so many motions; None: of all that were looked at, those that
+            selectors choose among them, so that no selector's success is above it.
     """
 
     size: int | None = None
 
     def of(self, figures: FilterFigures) -> float:
         """Return the probability."""
-        size = figures.judged if self.size is None else self.size
-        return float(chance(figures.judged, figures.solved, size))
+        if self.size is None:
+            return float(figures.looked_at.solving > 0)
+        return float(chance(figures.judged, figures.solved, self.size))
 
 
 @dataclass(frozen=True)
@@ -43,37 +47,81 @@ class Success:
     size: int | None = None
 
     def of(self, figures: FilterFigures) -> float:
-        """Return the probability."""
+        """Return the probability.
+
+        Raises:
+            InstancesError: It was not counted for subsets of this size.
+        """
         if self.selector == RANDOM:
             return float(chance(figures.judged, figures.solved, self.tries))
+        # Where there are no more motions than that, it chooses from the whole archive.
+        if self.size is None or self.size >= figures.motions:
+            return float(0 < figures.first[self.selector] <= self.tries)
         counts = figures.subsets[self.selector].get(str(self.size))
         if counts is None:
-            # There are no more than that: it chooses from the whole archive.
-            return float(0 < figures.first[self.selector] <= self.tries)
+            raise InstancesError(
+                f"Expected what `{self.selector}` chooses from subsets of {self.size:,} motions, "
+                "but the judgement does not have that size; delete it, and it is made again."
+            )
         return counts[TRIES.index(self.tries)] / SUBSETS
 
 
-Figure = SomeMotion | Success
+@dataclass(frozen=True)
+class FixedMotion:
+    """Whether one fixed motion of an archive, the same for all instances, solves an instance.
 
-CONTROL = Success("best", 1)
-"""The archive's best single motion: without an archive one would have that."""
+    It is chosen among the motions that were looked at in every instance.
+
+    Attributes:
+        choice: How it is chosen, one of `CHOICES`.
+    """
+
+    choice: str
+
+    def of(self, row: Sequence[FilterFigures]) -> list[float]:
+        """Return it for each instance.
+
+        Args:
+            row: The figures of one archive, instance by instance.
+        """
+        solved = solved_by_one([one.looked_at for one in row], self.choice)
+        return [float(value) for value in solved]
 
 
-def whole_archive() -> list[Figure]:
+Figure = SomeMotion | Success | FixedMotion
+
+HIGHEST_FITNESS = Success("best", 1)
+"""A control: the archive's motion of the highest fitness."""
+BEST_IN_HINDSIGHT = FixedMotion(HINDSIGHT)
+"""A control: no fixed motion of the archive that was looked at solves more instances."""
+BEST_ON_THE_OTHERS = FixedMotion(LEAVE_ONE_OUT)
+"""A control: the fixed motion that solves the most of the other instances."""
+
+
+def fixed_motions(*, instances: int) -> list[FixedMotion]:
+    """Return the figures of one fixed motion.
+
+    Args:
+        instances: How many there are; of a single one, there are no others to choose it by.
+    """
+    return [BEST_IN_HINDSIGHT, BEST_ON_THE_OTHERS] if instances > 1 else [BEST_IN_HINDSIGHT]
+
+
+def whole_archive() -> list[SomeMotion | Success]:
     """Return the figures of whole archives."""
     chosen = [Success(name, tries) for name in (*SELECTORS, RANDOM) for tries in TRIES]
     return [SomeMotion(), *chosen]
 
 
-def by_size(*, judged: int, cap: int) -> list[Figure]:
+def by_size(*, judged: int, cap: int) -> list[SomeMotion | Success]:
     """Return the figures against the archive's size.
 
     Args:
         judged: The largest number of motions that were judged of an archive.
         cap: Most motions in a sample, from which the selectors' subsets are drawn.
     """
-    some: Iterable[Figure] = (SomeMotion(size) for size in SIZES if size < judged)
-    chosen: Iterable[Figure] = (
+    some: Iterable[SomeMotion] = (SomeMotion(size) for size in SIZES if size < judged)
+    chosen: Iterable[Success] = (
         Success(name, tries, size)
         for name in SELECTORS
         for tries in TRIES

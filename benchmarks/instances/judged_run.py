@@ -1,6 +1,6 @@
 """A run whose archive is judged by instances."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import blake2b
 from pathlib import Path
@@ -8,6 +8,13 @@ from pathlib import Path
 from lqd_envs import LQDError, Task, get_task
 from lqd_search.runs.run_folder import ARCHIVE, RunFolder
 from lqd_search.runs.stored_archive import StoredArchive
+
+_ALIKE = {
+    "evaluations": "evaluations",
+    "batch_size": "sizes of a generation",
+    "failure_competition": "failure competition",
+}
+_ALIKE_IN_A_METHOD = {"switches": "switches"}
 
 
 class InstancesError(LQDError):
@@ -22,6 +29,9 @@ class RunLabel:
         task: Id of the task.
         method: Name of the method.
         evaluations: Evaluations that it spent.
+        batch_size: Solutions in a generation.
+        failure_competition: How two failures competed for a cell.
+        switches: The switches of `ours_plus` that were on, in alphabetical order.
         seed: Seed of the search.
         sample: Which sample of the model's replies steered it.
         digest: Fingerprint of its archive.
@@ -30,15 +40,23 @@ class RunLabel:
     task: str
     method: str
     evaluations: int
+    batch_size: int
+    failure_competition: str
+    switches: tuple[str, ...]
     seed: int
     sample: int
     digest: str
 
     @property
+    def place(self) -> str:
+        """Task, method, seed and sample in short: whose place in a table it has."""
+        short = self.task.rpartition("/")[2].partition("-")[0].lower()
+        return f"{short}.{self.method}.seed-{self.seed}.sample-{self.sample}"
+
+    @property
     def name(self) -> str:
         """What its folder of judgements is called."""
-        short = self.task.rpartition("/")[2].partition("-")[0].lower()
-        return f"{short}.{self.method}.seed-{self.seed}.sample-{self.sample}.{self.digest}"
+        return f"{self.place}.{self.digest}"
 
     @classmethod
     def read(cls, path: Path) -> "RunLabel":
@@ -59,6 +77,9 @@ class RunLabel:
             task=config.task,
             method=config.method,
             evaluations=config.evaluations,
+            batch_size=config.batch_size,
+            failure_competition=config.failure_competition,
+            switches=config.switches,
             seed=config.seed,
             sample=config.sample,
             digest=blake2b(content, digest_size=4).hexdigest(),
@@ -94,18 +115,32 @@ def check_labels(labels: Sequence[RunLabel]) -> None:
     """Check that runs may stand in one table.
 
     Raises:
-        InstancesError: One is there twice, or runs of a method on a task spent different numbers
-            of evaluations.
+        InstancesError: One is there twice; runs on a task, whatever their methods, differ in
+            evaluations, in the size of a generation or in how failures competed; or runs of a
+            method on it in their switches.
     """
-    spent: dict[tuple[str, str], int] = {}
+    of_task: dict[str, RunLabel] = {}
+    of_method: dict[tuple[str, str], RunLabel] = {}
     for i, label in enumerate(labels):
         if label in labels[:i]:
             raise InstancesError(
                 f"Expected different runs, but {label.name} is there twice; name it once."
             )
-        first = spent.setdefault((label.task, label.method), label.evaluations)
-        if first != label.evaluations:
+        _check_alike(of_task.setdefault(label.task, label), label, _ALIKE)
+        pair = (label.task, label.method)
+        _check_alike(of_method.setdefault(pair, label), label, _ALIKE_IN_A_METHOD)
+
+
+def _check_alike(one: RunLabel, other: RunLabel, names: Mapping[str, str]) -> None:
+    for name, called in names.items():
+        first, second = getattr(one, name), getattr(other, name)
+        if first != second:
             raise InstancesError(
-                f"Expected runs of {label.method} on {label.task} with equal evaluations, but got "
-                f"{first:,} and {label.evaluations:,}; give each scale a folder of its own."
+                f"Expected runs on {one.task} with equal {called}, but {one.name} has "
+                f"{_text(first)} and {other.name} has {_text(second)}; compare them apart, each "
+                "kind in a folder of its own with --out."
             )
+
+
+def _text(value: int | str | tuple[str, ...]) -> str:
+    return ("+".join(value) or "none") if isinstance(value, tuple) else str(value)

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from benchmarks.instances.candidates import Candidates
 from benchmarks.instances.declared import TRIES
 from benchmarks.instances.judged_run import InstancesError, RunLabel
+from benchmarks.instances.looked_at import LookedAt
+from benchmarks.instances.provenance import Provenance
 from lqd_search.runs.json_form import FormError, check_form
 
 
@@ -25,6 +27,8 @@ class FilterFigures:
         first: For each selector, which of its tries is the first to solve it; 0: none of the first.
         subsets: For each selector and each size, in how many of the random subsets one of its first
             k tries solves it, for each k of `TRIES`.
+        looked_at: Which motions were looked at, the judged ones and those that selectors choose,
+            and which of them solve it.
     """
 
     motions: int
@@ -32,10 +36,21 @@ class FilterFigures:
     solved: int
     first: dict[str, int]
     subsets: dict[str, dict[str, tuple[int, ...]]]
+    looked_at: LookedAt
+
+    @property
+    def capped(self) -> bool:
+        """Whether there are motions that were not judged."""
+        return self.judged < self.motions
 
     @classmethod
     def of(
-        cls, candidates: Candidates, solved: NDArray[np.bool_], *, judged: NDArray[np.intp]
+        cls,
+        candidates: Candidates,
+        solved: NDArray[np.bool_],
+        *,
+        judged: NDArray[np.intp],
+        evaluation: NDArray[np.int64],
     ) -> "FilterFigures":
         """Return the figures.
 
@@ -44,6 +59,7 @@ class FilterFigures:
             solved: (m,) for each elite of the archive, whether it solves the instance; where it was
                 not looked at, it does not matter.
             judged: Those candidates that were judged, whatever a selector says.
+            evaluation: (m,) the evaluation numbers of the elites.
         """
         return cls(
             motions=len(candidates.rows),
@@ -57,6 +73,7 @@ class FilterFigures:
                 }
                 for name, by_size in candidates.subset_picks.items()
             },
+            looked_at=LookedAt.of(candidates.with_picks(judged), solved, evaluation=evaluation),
         )
 
 
@@ -68,18 +85,22 @@ class Judgement:
         run: Which run's archive.
         instance: The instance's name.
         cap: Most motions that were drawn for simulation.
+        declared: The fingerprint of all that was declared when it was made.
         solved: Whether any motion that was looked at solves the instance.
         different: How many motions, simulated again in the task itself, were not bit for bit what
             the run saw; 0 in instances with dynamics of their own, where none can be compared.
         filters: The figures by filter.
+        provenance: What it was made on.
     """
 
     run: RunLabel
     instance: str
     cap: int
+    declared: str
     solved: bool
     different: int
     filters: dict[str, FilterFigures]
+    provenance: Provenance
 
     def to_json(self) -> str:
         """Return the text of its file."""
@@ -98,23 +119,30 @@ class Judgement:
         try:
             data: Any = json.loads(text)
             check_form(data, _Form)
+            filters = {name: _figures(plain) for name, plain in data["filters"].items()}
         except (ValueError, FormError) as error:
             raise InstancesError(
                 f"Expected what an archive came to in an instance, but it cannot be read ({error})"
                 "; delete the file, and it is judged again."
             ) from error
-        filters = {name: _figures(plain) for name, plain in data["filters"].items()}
-        run, solved = RunLabel(**data["run"]), bool(data["solved"])
-        return cls(**{**data, "run": run, "solved": solved, "filters": filters})
+        parts = {
+            "run": RunLabel(**{**data["run"], "switches": tuple(data["run"]["switches"])}),
+            "solved": bool(data["solved"]),
+            "filters": filters,
+            "provenance": Provenance(**data["provenance"]),
+        }
+        return cls(**{**data, **parts})
 
 
 class _Form:
     run: RunLabel
     instance: str
     cap: int
+    declared: str
     solved: int
     different: int
     filters: dict[str, FilterFigures]
+    provenance: Provenance
 
 
 def _figures(plain: Mapping[str, Any]) -> FilterFigures:
@@ -122,7 +150,10 @@ def _figures(plain: Mapping[str, Any]) -> FilterFigures:
         selector: {size: tuple(counts) for size, counts in by_size.items()}
         for selector, by_size in plain["subsets"].items()
     }
-    return FilterFigures(**{**plain, "subsets": subsets})
+    looked_at = LookedAt(**plain["looked_at"])
+    # Its bits are needed late; that they are whole is seen now.
+    looked_at.masks()
+    return FilterFigures(**{**plain, "subsets": subsets, "looked_at": looked_at})
 
 
 def _first(solved: NDArray[np.bool_]) -> int:

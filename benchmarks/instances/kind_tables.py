@@ -4,15 +4,31 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from benchmarks.instances.candidates import most_looked_at
 from benchmarks.instances.declared import EXPERT, FILTERS, INFERRED, SIZES, TRIES
-from benchmarks.instances.figures import CONTROL, RANDOM, Figure, SomeMotion, Success
+from benchmarks.instances.figures import (
+    BEST_IN_HINDSIGHT,
+    BEST_ON_THE_OTHERS,
+    HIGHEST_FITNESS,
+    RANDOM,
+    Figure,
+    SomeMotion,
+    Success,
+)
 from benchmarks.instances.results import Results
+from benchmarks.instances.steered import shown
 from benchmarks.instances.two_way import Rate
 from benchmarks.tables.markdown import markdown_table
 from benchmarks.tables.spread import NOTHING
 from lqd_search.adaptation import SELECTORS
 
 _TRIES_BY_SIZE = 5
+_WHOLE = "whole"
+_CONTROLS: Mapping[str, Figure] = {
+    "the highest fitness": HIGHEST_FITNESS,
+    "the best in hindsight": BEST_IN_HINDSIGHT,
+    "the best on the other instances": BEST_ON_THE_OTHERS,
+}
 
 
 def kind_section(results: Results, task: str, kind: str) -> str:
@@ -32,6 +48,8 @@ def kind_section(results: Results, task: str, kind: str) -> str:
         [
             head,
             archive_table(results, task, kind),
+            "One fixed motion of those looked at, the same for all instances, solves the instance:",
+            control_table(results, task, kind),
             "Success@k: one of the first k motions that are tried solves the instance.",
             success_table(results, task, kind),
             "Some motion of a random subset of the archive solves the instance, by its size:",
@@ -43,28 +61,38 @@ def kind_section(results: Results, task: str, kind: str) -> str:
 
 
 def archive_table(results: Results, task: str, kind: str) -> str:
-    """Return what whole archives are worth, beside the best single motion of each."""
+    """Return what whole archives are worth."""
+    methods = results.methods(task)
     head = ["method", "runs"]
     for by in FILTERS:
-        head += [
-            f"{by}: motions",
-            "judged",
-            "some motion solves it",
-            "the best single motion does",
-        ]
+        of = _of_how_many(results, task, kind, by)
+        head += [f"{by}: motions", "looked at", f"some motion{of} solves it"]
     rows = []
-    for method in results.methods(task):
-        row = [method, str(len(results.runs(task, method)))]
+    for method in methods:
+        row = [shown(method), str(len(results.runs(task, method)))]
         for by in FILTERS:
             figures = [run[0] for run in results.figures(task, kind, method, by)]
             rates = results.rates(task, kind, method, by)
             row += [
                 f"{np.median([one.motions for one in figures]):,.0f}",
-                f"{np.median([one.judged for one in figures]):,.0f}",
+                f"{np.median([one.looked_at.motions for one in figures]):,.0f}",
                 rates[SomeMotion()].text,
-                rates[CONTROL].text,
             ]
         rows.append(row)
+    return markdown_table(head, rows, words=1)
+
+
+def control_table(results: Results, task: str, kind: str) -> str:
+    """Return what one fixed motion of each archive is worth: the control."""
+    head = ["method", *(f"{by}: {called}" for by in FILTERS for called in _CONTROLS)]
+    rows = []
+    for method in results.methods(task):
+        cells = [
+            _text(results.rates(task, kind, method, by), figure)
+            for by in FILTERS
+            for figure in _CONTROLS.values()
+        ]
+        rows.append([shown(method), *cells])
     return markdown_table(head, rows, words=1)
 
 
@@ -80,7 +108,7 @@ def success_table(results: Results, task: str, kind: str) -> str:
                 for by in (INFERRED, EXPERT)
                 for figure in figures
             ]
-            rows.append([method, selector, *cells])
+            rows.append([shown(method), selector, *cells])
     return markdown_table(head, rows, words=2)
 
 
@@ -90,8 +118,9 @@ def size_table(results: Results, task: str, kind: str) -> str:
     for method in results.methods(task):
         rates = results.rates(task, kind, method, INFERRED)
         cells = [_text(rates, SomeMotion(size)) for size in SIZES]
-        rows.append([method, *cells, rates[SomeMotion()].text])
-    return _size_table(["method"], rows)
+        rows.append([shown(method), *cells, rates[SomeMotion()].text])
+    of = _of_how_many(results, task, kind, INFERRED)
+    return _size_table(["method"], rows, whole=of.strip() or _WHOLE)
 
 
 def success_size_table(results: Results, task: str, kind: str) -> str:
@@ -102,12 +131,19 @@ def success_size_table(results: Results, task: str, kind: str) -> str:
         for selector in SELECTORS:
             by_size = [Success(selector, _TRIES_BY_SIZE, size) for size in SIZES]
             cells = [_text(rates, figure) for figure in by_size]
-            rows.append([method, selector, *cells, rates[Success(selector, _TRIES_BY_SIZE)].text])
-    return _size_table(["method", "choice"], rows)
+            whole = rates[Success(selector, _TRIES_BY_SIZE)].text
+            rows.append([shown(method), selector, *cells, whole])
+    return _size_table(["method", "choice"], rows, whole=_WHOLE)
 
 
-def _size_table(words: list[str], rows: list[list[str]]) -> str:
-    head = [*words, *(f"{size:,}" for size in SIZES), "whole"]
+def _of_how_many(results: Results, task: str, kind: str, by: str) -> str:
+    if not results.capped(task, kind, by, methods=results.methods(task)):
+        return ""
+    return f" of at most {most_looked_at(results.cap):,} looked at"
+
+
+def _size_table(words: list[str], rows: list[list[str]], *, whole: str) -> str:
+    head = [*words, *(f"{size:,}" for size in SIZES), whole]
     # Sizes that no archive has are no columns.
     kept = [
         i

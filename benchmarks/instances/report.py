@@ -4,19 +4,20 @@ import csv
 import io
 from pathlib import Path
 
-from benchmarks.instances.declared import FILTERS, SUBSETS
-from benchmarks.instances.figures import Figure, SomeMotion
+from benchmarks.instances.candidates import most_looked_at
+from benchmarks.instances.declared import FILTERS
+from benchmarks.instances.description import describe, describe_making
+from benchmarks.instances.figures import RANDOM, Figure, FixedMotion, SomeMotion
 from benchmarks.instances.kind_tables import kind_section
 from benchmarks.instances.results import Results
 from benchmarks.instances.size_picture import draw_sizes
-from benchmarks.instances.two_way import CONFIDENCE, RESAMPLES
 from benchmarks.tables.figure_files import figure_files
 from lqd_envs.atomic_file import write_atomically
-from lqd_search.adaptation import SELECTORS
+from lqd_search.methods.steering import STEERING
 
 _HEAD = (
-    *("task", "kind", "method", "filter", "figure", "choice", "tries", "size"),
-    *("runs", "instances", "value", "low", "high"),
+    *("task", "kind", "method", "steering", "filter", "figure", "choice", "tries", "size"),
+    *("among", "runs", "instances", "value", "low", "high"),
 )
 
 
@@ -38,6 +39,7 @@ def write_report(out: Path, results: Results) -> list[Path]:
         parts += [f"## {task}", f"![archives by size](pictures/sizes.{_short(task)}.png)"]
         for kind in results.kinds:
             parts += [f"### {kind.capitalize()}", kind_section(results, task, kind)]
+    parts += ["## How it was judged", describe_making(results)]
     files = {
         out / "instances.md": ("\n\n".join(parts) + "\n").encode(),
         out / "instances.csv": long_form(results).encode(),
@@ -47,35 +49,6 @@ def write_report(out: Path, results: Results) -> list[Path]:
     for path, content in files.items():
         write_atomically(path, content)
     return list(files)
-
-
-def describe(results: Results) -> str:
-    """Return what was judged and how to read it."""
-    evaluations = sorted({run.evaluations for run in results.judgements})
-    selectors = "; ".join(f"`{s.name}`, {s.summary}" for s in SELECTORS.values())
-    sentences = [
-        f"{len(results.judgements)} runs of {' and '.join(f'{n:,}' for n in evaluations)} "
-        "evaluations. A motion solves an instance if the task's expert calls it a success and what "
-        "the instance asks is met, simulated in the scene of the instance.",
-        "Motions are those of the archive that the inferred condition approves, which is all that a"
-        " robot has, and beside them those that the expert approves. Selectors see neither the "
-        f"instance nor the expert's word: {selectors}; `random` is the expectation of a random "
-        "choice. The best single motion, the first choice of `best`, is the control.",
-        f"In instances with obstacles and changes, at most {results.cap:,} motions of an archive "
-        "are judged, drawn at random once for each run, and what selectors choose beside them: "
-        "where more are there, the probability that some motion of the whole archive solves an "
-        "instance is at least what is given. In the others all motions are judged.",
-        "Of random subsets, the probability that some motion solves is exact; selectors choose from"
-        f" {SUBSETS} random subsets of each size. An archive that is smaller is taken whole.",
-        f"Brackets are {CONFIDENCE:.0%} intervals of {RESAMPLES:,} bootstrap resamples of runs and "
-        "of instances. Where a method has a single run, they are of instances alone.",
-    ]
-    if results.different:
-        sentences.append(
-            f"{results.different:,} motions, simulated again in the task itself, were not bit for "
-            "bit what their run saw: other versions or another processor made it."
-        )
-    return "\n\n".join(sentences)
 
 
 def long_form(results: Results) -> str:
@@ -88,11 +61,13 @@ def long_form(results: Results) -> str:
         for method in results.methods(task):
             runs = len(results.runs(task, method))
             for by in FILTERS:
+                capped = results.capped(task, kind, by, methods=[method])
                 for figure, rate in results.rates(task, kind, method, by).items():
                     ends = ["" if end != end else end for end in (rate.low, rate.high)]
                     writer.writerow(
                         (
-                            *(task, kind, method, by, *_named(figure)),
+                            *(task, kind, method, STEERING[method], by, *_named(figure)),
+                            _among(figure, cap=results.cap) if capped else "all",
                             *(runs, instances, rate.value, *ends),
                         )
                     )
@@ -100,10 +75,21 @@ def long_form(results: Results) -> str:
 
 
 def _named(figure: Figure) -> tuple[str, str, int | str, int | str]:
+    if isinstance(figure, FixedMotion):
+        return ("one fixed motion", figure.choice, "", "whole")
     size = "whole" if figure.size is None else figure.size
     if isinstance(figure, SomeMotion):
         return ("some motion", "", "", size)
     return ("success", figure.selector, figure.tries, size)
+
+
+def _among(figure: Figure, *, cap: int) -> str:
+    if isinstance(figure, FixedMotion) or figure == SomeMotion():
+        return f"at most {most_looked_at(cap)} looked at"
+    if isinstance(figure, SomeMotion) or figure.size is not None or figure.selector == RANDOM:
+        return f"at most {cap} drawn"
+    # A selector chooses from all, and what it chooses is looked at.
+    return "all"
 
 
 def _short(task: str) -> str:

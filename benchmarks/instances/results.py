@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from benchmarks.instances.figures import Figure, by_size, whole_archive
+from benchmarks.instances.figures import Figure, by_size, fixed_motions, whole_archive
 from benchmarks.instances.judged_run import InstancesError, RunLabel
 from benchmarks.instances.judgement import FilterFigures, Judgement
 from benchmarks.instances.store import JudgementStore
@@ -24,11 +24,13 @@ class Results:
         instances: The instances by task and kind.
         judgements: What each run came to in each instance of its task, by the instance's name.
         cap: Most motions that were drawn for simulation.
+        seed: Seed of the instances.
     """
 
     instances: Mapping[tuple[str, str], Sequence[Instance]]
     judgements: Mapping[RunLabel, Mapping[str, Judgement]]
     cap: int
+    seed: int
 
     @classmethod
     def load(
@@ -36,8 +38,16 @@ class Results:
         store: JudgementStore,
         runs: Sequence[RunLabel],
         instances: Mapping[tuple[str, str], Sequence[Instance]],
+        *,
+        seed: int,
     ) -> "Results":
         """Read the judgements of runs.
+
+        Args:
+            store: Where they are.
+            runs: The runs.
+            instances: The instances by task and kind.
+            seed: Seed of the instances.
 
         Raises:
             InstancesError: One is missing or damaged.
@@ -50,11 +60,11 @@ class Results:
                     if judgement is None:
                         raise InstancesError(
                             f"Expected what {run.name} came to in {instance.name} with a cap of "
-                            f"{store.cap}, but it is not in {store.out}; name the run's folder, "
-                            "and it is judged."
+                            f"{store.cap} and all else as it is declared now, but it is not in "
+                            f"{store.out}; name the run's folder, and it is judged."
                         )
                     judgements[run][instance.name] = judgement
-        return cls(instances, judgements, store.cap)
+        return cls(instances, judgements, store.cap, seed)
 
     @property
     def tasks(self) -> list[str]:
@@ -96,6 +106,15 @@ class Results:
             for run in self.runs(task, method)
         ]
 
+    def capped(self, task: str, kind: str, by: str, *, methods: Sequence[str]) -> bool:
+        """Return whether some archive of these methods has motions that were not judged."""
+        return any(
+            one.capped
+            for method in methods
+            for row in self.figures(task, kind, method, by)
+            for one in row
+        )
+
     def rates(self, task: str, kind: str, method: str, by: str) -> Mapping[Figure, Rate]:
         """Return all rates of a method's archives; none where no instance is solvable.
 
@@ -129,7 +148,16 @@ class Results:
             return {}
         judged = max(one.judged for row in figures for one in row)
         wanted = [*whole_archive(), *by_size(judged=judged, cap=self.cap)]
-        values = np.array([[[w.of(one) for w in wanted] for one in row] for row in figures])
+        fixed = fixed_motions(instances=len(figures[0]))
+        values = np.array(
+            [
+                [
+                    *([figure.of(one) for one in row] for figure in wanted),
+                    *(f.of(row) for f in fixed),
+                ]
+                for row in figures
+            ]
+        )
         # The same draws for all, so that no rate depends on which others there are.
-        rates = two_way(values, rng=np.random.default_rng(SEED))
-        return dict(zip(wanted, rates, strict=True))
+        rates = two_way(values.swapaxes(1, 2), rng=np.random.default_rng(SEED))
+        return dict(zip([*wanted, *fixed], rates, strict=True))

@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Picture
 
 from benchmarks.instances.declared import INFERRED
-from benchmarks.instances.figures import Figure, SomeMotion, Success
+from benchmarks.instances.figures import Figure, FixedMotion, SomeMotion, Success
 from benchmarks.instances.results import Results
+from benchmarks.instances.steered import shown
 from benchmarks.instances.two_way import Rate
 from lqd_search.adaptation import SELECTORS
 from lqd_search.pictures.figure import new_figure
@@ -69,18 +70,19 @@ def _draw_lines(
             continue
         runs = results.figures(task, kind, method, INFERRED)
         for style, (choice, of_size) in zip(_STYLES, choices.items(), strict=False):
-            # A selector chooses from all motions; of them, some were judged.
-            sizes = [run[0].motions if choice else run[0].judged for run in runs]
+            # A selector chooses from all motions; of them, some were looked at.
+            sizes = [run[0].motions if choice else run[0].looked_at.motions for run in runs]
             whole = max(1.0, float(np.median(sizes)))
             points = _points(rates, of_size, whole=whole)
-            label = f"{method}, {choice}" if choice else method
+            label = f"{shown(method)}, {choice}" if choice else shown(method)
             _draw(axes, points, label, color=f"C{i}", marker=_MARKERS[i % 6], style=style)
 
 
 def _points(
     rates: Mapping[Figure, Rate], of_size: _OfSize, *, whole: float
 ) -> list[tuple[float, Rate]]:
-    sizes = sorted({figure.size for figure in rates if figure.size is not None})
+    subsets = [figure for figure in rates if not isinstance(figure, FixedMotion)]
+    sizes = sorted({figure.size for figure in subsets if figure.size is not None})
     points: list[tuple[float, Rate]] = [
         (size, rates[of_size(size)]) for size in sizes if size < whole and of_size(size) in rates
     ]

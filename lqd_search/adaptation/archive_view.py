@@ -1,4 +1,4 @@
-"""What a selector may see of an archive: nothing that only an expert could tell."""
+"""What a selector may see of an archive: what the run stored, but for the expert's own columns."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,12 +14,15 @@ class ArchiveView:
     """What a run stores of its elites, without the expert's verdict and the ground truth.
 
     A robot has no expert. Whatever chooses motions is handed this and nothing else, so that it
-    cannot look at either by mistake.
+    cannot look at either by mistake. In a run that the expert steered, that of `handcrafted`,
+    objective, success and measures are the expert's themselves: whatever chooses by them there
+    chooses with an expert's knowledge.
 
     Attributes:
         solution: (n, 9) float64.
-        objective: (n,) float64; NaN where undefined.
-        success: (n,) bool, the inferred condition.
+        objective: (n,) float64, the fitness that steered the run; NaN where undefined.
+        success: (n,) bool, the condition that steered it, which is the inferred one or the
+            expert's.
         digest: (n,) uint64 fingerprint of the motion; equal where motions are.
         measures: For each grid, (n, d) float64 measures in shares of the grid's ranges, 0 to 1;
             NaN where the elite holds no cell of that grid.

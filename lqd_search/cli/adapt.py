@@ -88,10 +88,11 @@ def adapt_command(
 ) -> None:
     """Find the motions of the run in DIR that solve an instance of its task.
 
-    The motions that the inferred condition approves are simulated in the instance, one after the
-    other in the order of a selector, which knows neither the instance nor the expert's word. It
-    shows how many tries it took and carries out the first one that solves the instance: in a
-    window where there is a display. Where none does, the exit status is 1.
+    The motions that the run's own success condition approves are simulated in the instance, one
+    after the other in the order of a selector, which does not know the instance. That condition
+    was inferred, and nothing is asked of the expert, unless the expert steered the run. It shows
+    how many tries it took and carries out the first one that solves the instance: in a window
+    where there is a display. Where none does, the exit status is 1.
     """
     run = RunFolder.open(folder)
     config = run.config()
@@ -120,7 +121,9 @@ def adapt_command(
         limit=limit,
         threads=threads or 0,
     )
-    click.echo(_describe(attempts, chosen))
+    # Where the expert steered the run, so does what it stored, and the order in which it is tried.
+    approves = "expert's" if config.llm == "none" else "inferred"
+    click.echo(_describe(attempts, chosen, condition=f"the {approves} condition"))
     if attempts.tries is None:
         click.echo(f"lqd: {_nothing_found(attempts, instance)}", err=True)
         sys.exit(_NO_SOLUTION)
@@ -149,11 +152,11 @@ def adapt_command(
         sys.exit(_NO_SOLUTION)
 
 
-def _describe(attempts: Attempts, selector: NamedSelector) -> str:
+def _describe(attempts: Attempts, selector: NamedSelector, *, condition: str) -> str:
     found = len(attempts.solving)
     lines = [
-        f"tried {len(attempts.rows)} of the {attempts.candidates} motions that the inferred "
-        f"condition approves, {selector.summary}"
+        f"tried {len(attempts.rows)} of the {attempts.candidates} motions that {condition} "
+        f"approves, {selector.summary}"
     ]
     if attempts.tries is not None:
         rows = ", ".join(map(str, attempts.solving[:_ROWS_SHOWN]))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.instances import report
 from lqd_envs import get_task, rollout
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import ARCHIVE, RunFolder
@@ -42,20 +43,27 @@ def fields():
 
 
 @pytest.fixture
+def drawn(monkeypatch):
+    """Draw no picture, which takes seconds, and say which would have been drawn."""
+    names = []
+    monkeypatch.setattr(report, "figure_files", lambda name, _: names.append(name) or {})
+    return names
+
+
+@pytest.fixture
 def make_run(tmp_path, fields):
     """Return a way to make the folder of a finished run whose archive has some of the motions."""
 
-    def make(name="one", *, rows=slice(None), method="ours", seed=0, evaluations=100, **columns):
+    def make(name="one", *, rows=slice(None), method="ours", seed=0, settings=None, **columns):
         config = RunConfig(
             task=FAUCET,
             instruction="Turn on the hot water",
             method=method,
             seed=seed,
             sample=0,
-            evaluations=evaluations,
-            batch_size=10,
+            **{"evaluations": 100, "batch_size": 10, "failure_competition": "fitness"}
+            | (settings or {}),
             explored=3,
-            failure_competition="fitness",
             llm="replay",
             prompt_hashes={},
             model="a model",

@@ -1,15 +1,22 @@
 """Judging an archive by instances."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 
+from benchmarks.instances import fingerprint, provenance
+from benchmarks.instances import judging as module
 from benchmarks.instances.candidates import candidates_of
 from benchmarks.instances.judged_run import InstancesError, JudgedRun, RunLabel, check_labels
 from benchmarks.instances.judgement import FilterFigures, Judgement
 from benchmarks.instances.judging import Judging
 from benchmarks.instances.store import JudgementStore
+from benchmarks.tables.machine import describe_machine
 from lqd_envs import get_task, rollout
 from lqd_envs.instances import KINDS, Instance, JointBand, generate_instances
+from lqd_search.runs.run_config import installed_versions
 
 FAUCET = get_task("LQD/Faucet-v0")
 OPENED = Instance(FAUCET.id, predicate=JointBand("hot_tap", 0.3, 2.1))
@@ -34,6 +41,9 @@ def test_the_solving_motions_are_those_of_the_simulation(make_run, fields, kind)
             figures = judgement.filters[by]
             assert (figures.motions, figures.judged) == (rows.sum(), rows.sum())
             assert figures.solved == solved[rows].sum()
+            which, solve = figures.looked_at.masks()
+            assert np.array_equal(which, rows)
+            assert np.array_equal(solve, solved & rows)
             # The motions are in the order of their fitness.
             first = np.argmax(solved[rows]) + 1 if solved[rows].any() else 0
             assert figures.first["best"] == first
@@ -51,6 +61,11 @@ def test_a_cap_limits_what_is_drawn_but_not_what_selectors_choose(make_run, fiel
     assert (shared.motions, shared.judged, shared.solved) == (7, 7, 7)
     solved = rollout(instances[0].apply(FAUCET), fields["solution"][fields["expert"]]).success()
     assert own.first["best"] == (np.argmax(solved) + 1 if solved.any() else 0)
+    # Two drawn, and all that selectors choose beside them.
+    assert own.looked_at.motions == 7
+    assert own.looked_at.solving == solved.sum()
+    assert own.capped
+    assert not shared.capped
 
 
 def test_motions_that_are_not_what_the_run_saw_are_counted(make_run, fields):
@@ -76,13 +91,26 @@ def test_an_archive_without_a_success_solves_nothing(make_run):
         assert judgement.filters["inferred"].judged == 0
 
 
+def test_an_archive_without_elites_can_be_judged(make_run):
+    wanted = [OPENED, *generate_instances(FAUCET, "change", count=1, seed=0)]
+
+    found = judgements(make_run(rows=slice(0, 0)), wanted)
+
+    for judgement in found.values():
+        assert not judgement.solved
+        assert judgement.filters["expert"].looked_at.motions == 0
+        assert Judgement.from_json(judgement.to_json()) == judgement
+
+
 def test_subsets_are_counted_by_hand(make_run):
     run = JudgedRun.read(make_run())
     candidates = candidates_of(run.archive, cap=100, seed=0)["inferred"]
     solved = np.zeros(8, bool)
     solved[4] = True
 
-    figures = FilterFigures.of(candidates, solved, judged=candidates.rows)
+    figures = FilterFigures.of(
+        candidates, solved, judged=candidates.rows, evaluation=run.archive.fields["evaluation"]
+    )
 
     assert figures.solved == 1
     # Rows 1 to 7 in the order of their fitness: the fourth try.
@@ -98,6 +126,36 @@ def test_a_judgement_is_read_as_it_was_written(make_run):
     (judgement,) = judgements(make_run(), [OPENED]).values()
 
     assert Judgement.from_json(judgement.to_json()) == judgement
+
+
+def test_a_judgement_says_on_what_it_was_made_and_how_long_it_took(make_run, monkeypatch):
+    clock = iter(range(0, 100, 6))
+    monkeypatch.setattr(module, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(provenance, "describe_commit", lambda: "a commit")
+    shared = generate_instances(FAUCET, "approach", count=3, seed=0)
+    own = generate_instances(FAUCET, "change", count=1, seed=0)
+
+    found = judgements(make_run(), [*own, *shared])
+
+    made = {instance.kind: judgement.provenance for instance, judgement in found.items()}
+    # Three share a simulation.
+    assert {kind: one.seconds for kind, one in made.items()} == {"approach": 2.0, "change": 6.0}
+    for one in made.values():
+        assert one.threads == 1
+        assert one.machine == describe_machine()
+        assert one.commit == "a commit"
+        assert one.versions == installed_versions()
+
+
+@pytest.mark.parametrize("key", ["which", "which_solve"])
+@pytest.mark.parametrize("bits", ["no base64", "AAAA", "eJxjYAAAAAIAAQ=="])
+def test_damaged_bits_are_one_sentence(make_run, key, bits):
+    (judgement,) = judgements(make_run(), [OPENED]).values()
+    plain = json.loads(judgement.to_json())
+    plain["filters"]["expert"]["looked_at"][key] = bits
+
+    with pytest.raises(InstancesError, match=r"cannot be read \(.*\); delete the file, and it is"):
+        Judgement.from_json(json.dumps(plain))
 
 
 @pytest.mark.parametrize("text", ["{", "[]", '{"cap": 3}'])
@@ -118,6 +176,15 @@ def test_a_store_gives_back_what_it_kept_with_the_same_cap_alone(make_run, tmp_p
     assert JudgementStore(tmp_path / "out", 50).load(judgement.run, OPENED) is None
 
 
+def test_a_judgement_with_other_declarations_is_none(make_run, tmp_path, monkeypatch):
+    (judgement,) = judgements(make_run(), [OPENED]).values()
+    JudgementStore(tmp_path / "out", 100).keep(judgement, OPENED)
+
+    monkeypatch.setattr(fingerprint, "SIZES", (*fingerprint.SIZES, 100_000))
+
+    assert JudgementStore(tmp_path / "out", 100).load(judgement.run, OPENED) is None
+
+
 def test_a_file_of_another_instance_is_refused(make_run, tmp_path):
     other = generate_instances(FAUCET, "predicate", count=1, seed=0)[0]
     (judgement,) = judgements(make_run(), [other]).values()
@@ -136,10 +203,63 @@ def test_a_run_without_an_archive_is_not_finished(make_run):
         RunLabel.read(path)
 
 
-def test_the_same_run_twice_or_mixed_scales_are_refused(make_run):
-    one, other = (RunLabel.read(make_run(n, evaluations=e)) for n, e in (("a", 100), ("b", 200)))
+def test_the_same_run_twice_is_refused(make_run):
+    label = RunLabel.read(make_run())
 
     with pytest.raises(InstancesError, match="is there twice; name it once"):
-        check_labels([one, one])
-    with pytest.raises(InstancesError, match="with equal evaluations, but got 100 and 200"):
-        check_labels([one, other])
+        check_labels([label, label])
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "called"),
+    [
+        ("evaluations", (100, 200), "evaluations"),
+        ("batch_size", (10, 20), "sizes of a generation"),
+        ("failure_competition", ("fitness", "coin"), "failure competition"),
+    ],
+)
+def test_runs_of_different_methods_that_are_not_alike_are_refused(make_run, name, values, called):
+    labels = [
+        RunLabel.read(make_run(method, method=method, settings={name: value}))
+        for method, value in zip(("ours", "random"), values, strict=True)
+    ]
+
+    expected = (
+        rf"Expected runs on LQD/Faucet-v0 with equal {called}, but faucet\.ours\.\S+ has "
+        rf"{values[0]} and faucet\.random\.\S+ has {values[1]}; compare them apart"
+    )
+    with pytest.raises(InstancesError, match=expected):
+        check_labels(labels)
+
+
+def test_runs_of_a_method_with_other_switches_are_refused(make_run):
+    plain = RunLabel.read(make_run("plain"))
+    one, other = (
+        RunLabel.read(make_run(str(i), method="ours_plus", seed=i, settings={"switches": switches}))
+        for i, switches in enumerate(((), ("line",)))
+    )
+    check_labels([plain, other])
+
+    with pytest.raises(InstancesError, match=r"with equal switches, but .* none and .* has line;"):
+        check_labels([plain, one, other])
+
+
+def test_two_archives_of_the_same_run_are_refused_by_name(make_run, tmp_path):
+    one, other = (RunLabel.read(make_run(n, rows=slice(0, k))) for n, k in (("a", 4), ("b", 5)))
+    another_seed = RunLabel.read(make_run("c", rows=slice(0, 5), seed=10))
+    store = JudgementStore(tmp_path, 100)
+    store.check_archives([one, another_seed])
+    both = f"but there are {re.escape(one.name)} and {re.escape(other.name)}"
+
+    with pytest.raises(InstancesError, match=rf"{both} of the same task.*; name one of them alone"):
+        store.check_archives([one, other])
+
+    (tmp_path / "judged" / one.name).mkdir(parents=True)
+    where = re.escape(str(tmp_path / "judged" / one.name))
+    with pytest.raises(InstancesError, match=rf"{both}.*; keep one of them, .* other \({where}\)"):
+        store.check_archives([one, other])
+    store.check_archives([one])
+    with pytest.raises(
+        InstancesError, match=rf"{re.escape(other.name)} and .*; delete {where}, or"
+    ):
+        store.check_archives([other])

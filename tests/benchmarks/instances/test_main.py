@@ -2,27 +2,19 @@
 
 import csv
 import json
+import re
 
 import pytest
 from click.testing import CliRunner
 
 from benchmarks.instances import __main__ as instances
-from benchmarks.instances import report
-from benchmarks.instances.figures import CONTROL, SomeMotion, Success, by_size, whole_archive
+from benchmarks.instances.declared import INSTANCE_SEED
 from benchmarks.instances.judged_run import InstancesError
-from benchmarks.instances.judgement import FilterFigures
 from benchmarks.instances.judging import Judging
+from benchmarks.tables.machine import describe_machine
 from lqd_envs.instances import InstanceError
 
-COUNT = ("--count", "2", "--jobs", "1")
-
-
-@pytest.fixture
-def drawn(monkeypatch):
-    """Draw no picture, which takes seconds, and say which would have been drawn."""
-    names = []
-    monkeypatch.setattr(report, "figure_files", lambda name, _: names.append(name) or {})
-    return names
+COUNT = ("--count", "2", "--seed", "0", "--jobs", "1")
 
 
 def invoke(*arguments):
@@ -56,7 +48,14 @@ def test_tables_csv_and_pictures_are_written(runs, tmp_path):
         assert f"### {kind}\n" in text
     assert "| ours | 2 | " in text
     assert "| random | 1 | 3 | 3 |" in text
-    assert "3 runs of 100 evaluations." in text
+    assert "3 runs of 100 evaluations, judged by the first instances of seed 0." in text
+    assert "| inferred: motions | looked at | some motion solves it | expert: " in text
+    assert "(expert)" not in text
+    section = text.split("## How it was judged")[1]
+    assert "24 judgements took 0.0 hours, with simulation on 1 thread." in section
+    assert f"Machine: {describe_machine()}." in section
+    assert "; mujoco " in section
+    assert re.search(r"^Commit: \S+\.$", section, re.MULTILINE)
     png = (out / "pictures" / "sizes.faucet.png").read_bytes()
     assert png.startswith(b"\x89PNG")
     assert (out / "pictures" / "sizes.faucet.svg").stat().st_size > 1000
@@ -95,6 +94,42 @@ def test_rates_are_the_means_of_the_judgements(runs, tmp_path, drawn):
     )
     assert float(row["value"]) == sum(0 < one["first"]["best"] <= 5 for one in figures) / 4
     assert drawn == ["sizes.faucet"]
+
+
+def test_the_default_seed_is_one_that_nobody_has_looked_at():
+    (option,) = (option for option in instances.main.params if option.name == "seed")
+
+    assert option.default == INSTANCE_SEED == 1000
+
+
+def test_a_run_that_was_made_again_is_not_mixed_with_what_was_judged_of_it(
+    make_run, tmp_path, drawn
+):
+    out = tmp_path / "out"
+    invoke(make_run("a"), *COUNT, "--kinds", "approach", "--out", out)
+    (judged,) = (out / "judged").iterdir()
+
+    with pytest.raises(InstancesError, match=f"; delete {judged}, or choose another folder"):
+        invoke(make_run("b", rows=slice(0, 4)), *(*COUNT, "--kinds", "approach", "--out", out))
+    assert drawn == ["sizes.faucet"]
+
+
+@pytest.mark.usefixtures("drawn")
+def test_what_was_judged_with_other_declarations_is_judged_again(make_run, tmp_path):
+    out = tmp_path / "out"
+    arguments = (*COUNT, "--kinds", "change", "--out", out)
+    invoke(make_run("a"), *arguments)
+    before = (out / "instances.csv").read_bytes()
+    (path, *_) = sorted((out / "judged").glob("*/*.json"))
+    judged = json.loads(path.read_text())
+    path.write_text(json.dumps(judged | {"declared": "0" * 16}))
+
+    with pytest.raises(InstancesError, match="and all else as it is declared now, but it is not"):
+        invoke(*arguments)
+    assert invoke(tmp_path / "a", *arguments).exit_code == 0
+
+    assert json.loads(path.read_text())["declared"] == judged["declared"]
+    assert (out / "instances.csv").read_bytes() == before
 
 
 @pytest.mark.usefixtures("drawn")
@@ -201,7 +236,7 @@ def test_without_runs_what_is_not_judged_is_an_error(runs, tmp_path):
     invoke(runs[0], *COUNT, "--out", out)
 
     with pytest.raises(InstancesError, match=r"Expected what faucet\.ours\.\S+ came to in"):
-        invoke("--count", 3, "--out", out)
+        invoke("--count", 3, "--seed", 0, "--out", out)
     with pytest.raises(InstancesError, match="Expected runs to judge, or judgements in"):
         invoke(*COUNT, "--out", tmp_path / "nothing")
 
@@ -209,40 +244,3 @@ def test_without_runs_what_is_not_judged_is_an_error(runs, tmp_path):
 def test_unknown_kinds_are_refused(runs, tmp_path):
     with pytest.raises(InstanceError, match="Expected kinds among predicate, obstacles, approach"):
         invoke(runs[0], "--kinds", "change,weather", "--out", tmp_path / "out")
-
-
-FIGURES = FilterFigures(
-    motions=100,
-    judged=50,
-    solved=10,
-    first={"best": 3, "diverse": 0},
-    subsets={"best": {"1": (4, 4, 4), "2": (5, 6, 6)}, "diverse": {"1": (4, 4, 4)}},
-)
-
-
-@pytest.mark.parametrize(
-    ("figure", "expected"),
-    [
-        (SomeMotion(), 1.0),
-        (SomeMotion(1), 0.2),
-        (SomeMotion(2), 1 - 40 * 39 / (50 * 49)),
-        (CONTROL, 0.0),
-        (Success("best", 5), 1.0),
-        (Success("diverse", 20), 0.0),
-        (Success("random", 1), 0.2),
-        (Success("best", 1, 2), 0.25),
-        (Success("best", 20, 2), 0.3),
-    ],
-)
-def test_figures_by_hand(figure, expected):
-    assert figure.of(FIGURES) == pytest.approx(expected)
-
-
-def test_figures_by_size_reach_up_to_what_was_judged_and_drawn():
-    sizes = {type(f): [] for f in (SomeMotion(), CONTROL)}
-    for figure in by_size(judged=60, cap=20):
-        sizes[type(figure)].append(figure.size)
-
-    assert sizes[SomeMotion] == [1, 2, 5, 10, 20, 50]
-    assert set(sizes[Success]) == {1, 2, 5, 10}
-    assert CONTROL in whole_archive()

@@ -156,6 +156,21 @@ def test_what_the_expert_says_changes_nothing(run, call, tmp_path):
     assert outs[0] == outs[1]
 
 
+def test_where_the_expert_steered_the_run_it_is_his_condition_that_approves(run, call, tmp_path):
+    shutil.copytree(run[0], tmp_path / "copy")
+    config = json.loads((run[0] / "config.json").read_text())
+    steered = config | {"method": "handcrafted", "llm": "none"}
+    (tmp_path / "copy" / "config.json").write_text(json.dumps(steered))
+
+    (_, out, _), (_, inferred, _) = (
+        call("adapt", folder, "--instance", "predicate:1", "--limit", 5)
+        for folder in (tmp_path / "copy", run[0])
+    )
+
+    assert re.search(r"tried 5 of the \d+ motions that the expert's condition approves, ", out)
+    assert re.search(r"tried 5 of the \d+ motions that the inferred condition approves, ", inferred)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
