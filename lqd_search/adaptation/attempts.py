@@ -63,14 +63,14 @@ def try_motions(
         threads: Threads to simulate on; 0: one for each CPU.
 
     Raises:
-        AdaptationError: The inferred condition approves no motion of the archive.
+        AdaptationError: The condition that steered the search approves no motion of the archive.
         InstanceError: It is not an instance of this task.
     """
     approved = np.flatnonzero(view.success)
     if not len(approved):
         raise AdaptationError(
             f"Expected a success in the archive, but none of its {len(view)} elites is one by the "
-            "inferred condition; search longer."
+            "condition that steered it; search longer."
         )
     rows = approved[select(view.rows(approved), limit)]
     solved = solving(view.solution[rows], task=task, instance=instance, threads=threads)

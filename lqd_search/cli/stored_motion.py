@@ -116,7 +116,7 @@ def best_success(archive: StoredArchive) -> int:
     if not success.any():
         raise LQDError(
             f"Expected a success in the archive, but none of its {len(archive)} elites is one by "
-            "the inferred condition; choose an elite with --index, or search longer."
+            "the condition that steered it; choose an elite with --index, or search longer."
         )
     # A success without a fitness, as random search puts it out, is the last that is chosen.
     worth = np.where(np.isnan(objective), -np.inf, objective)

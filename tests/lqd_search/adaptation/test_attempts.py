@@ -60,7 +60,7 @@ def test_no_more_are_tried_than_the_limit(make_archive):
 
 
 def test_an_archive_without_a_success_is_an_error(make_archive):
-    with pytest.raises(AdaptationError, match="none of its 4 elites is one by the inferred"):
+    with pytest.raises(AdaptationError, match="none of its 4 elites is one by the condition that"):
         attempts(make_archive(4, success=np.zeros(4, bool)))
 
 

@@ -39,7 +39,7 @@ def test_the_best_is_the_success_of_the_highest_fitness(objective, success, best
 
 
 def test_without_a_success_there_is_no_best():
-    with pytest.raises(LQDError, match=r"none of its 2 elites is one by the inferred condition"):
+    with pytest.raises(LQDError, match=r"none of its 2 elites is one by the condition that"):
         best_success(archive([0.0, 1.0], [False, False]))
 
 
