@@ -70,8 +70,7 @@ def main(
     """Measure what each switch of `ours_plus` gains on its own, on the tuning seeds.
 
     Finished cells are kept in --out and not run again. A switch that failed to pay on two of the
-    four tasks cannot pay on three any more, and is given up; a task on which it had nothing to do
-    does not count.
+    four tasks cannot pay on three any more, and is given up.
     """
     out.mkdir(parents=True, exist_ok=True)
     kept = partial(load, out, evaluations=evaluations, batch_size=batch_size)

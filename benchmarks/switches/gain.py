@@ -96,7 +96,7 @@ def _spread(ratios: Sequence[float]) -> str:
 def given_up(name: str, cells: Sequence[SwitchCell]) -> bool:
     """Return whether a switch cannot pay on three tasks any more, so that more runs are useless.
 
-    A task on which it had nothing to do says nothing against it.
+    A task on which it had nothing to do is one on which it did not pay.
     """
-    lost = sum(not gain.pays and not gain.idle for gain in gains(cells) if gain.switches == name)
+    lost = sum(not gain.pays for gain in gains(cells) if gain.switches == name)
     return lost > len(TASKS) - _PAYING_TASKS

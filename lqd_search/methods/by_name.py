@@ -21,7 +21,7 @@ from lqd_search.methods.method import Method
 from lqd_search.methods.plus_switches import Switch, emitter_with
 from lqd_search.methods.random_search import RandomSearch
 
-KEPT_SWITCHES: frozenset[Switch] = frozenset()
+KEPT_SWITCHES: frozenset[Switch] = frozenset({Switch.SCREEN})
 """The switches that are on in `ours_plus`, since they paid on at least three tasks."""
 
 FAILURE_COMPETITIONS = ("fitness", "coin")
