@@ -47,10 +47,10 @@ class Gain:
 
 
 def gains(cells: Sequence[SwitchCell]) -> list[Gain]:
-    """Compare each complete set of seeds with that of `ours` on the same task."""
+    """Compare each complete set of seeds with that of `ours` on the same task, by switch."""
     by_key = {(c.task, c.switches, c.seed): c for c in cells}
     found = []
-    for task, switches in sorted({(c.task, c.switches) for c in cells if c.switches != OURS}):
+    for switches, task in sorted({(c.switches, c.task) for c in cells if c.switches != OURS}):
         pairs = [
             (by_key.get((task, switches, seed)), by_key.get((task, OURS, seed)))
             for seed in TUNING_SEEDS
