@@ -5,6 +5,7 @@ import pytest
 from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_figures import CellFigures, Curve, Verdicts
 from benchmarks.tables.study import Study, compare_with_first
+from lqd_search.methods.by_name import KEPT_SWITCHES
 
 
 @pytest.fixture(scope="session")
@@ -17,7 +18,7 @@ def make_figures():
             "sample": cell.sample,
             "evaluations": 320,
             "batch_size": 8,
-            "switches": (),
+            "switches": tuple(sorted(KEPT_SWITCHES)) if cell.method == "ours_plus" else (),
             "functionals": "" if cell.method == "handcrafted" else f"digest {cell.sample}",
             "capacity": 100 if cell.method == "handcrafted" else 160_000,
             "steering": "expert" if cell.method == "handcrafted" else "mesh",

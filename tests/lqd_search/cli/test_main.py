@@ -71,4 +71,4 @@ def test_a_run_folder_of_another_layout_is_refused(call, tmp_path):
         status, out, err = call(*command)
 
         assert (status, out) == (2, "")
-        assert re.fullmatch(r"lqd: Expected the layout 3 in \S+, got 1; read it with [^\n]+\n", err)
+        assert re.fullmatch(r"lqd: Expected the layout 4 in \S+, got 1; read it with [^\n]+\n", err)
