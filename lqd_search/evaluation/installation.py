@@ -42,9 +42,15 @@ def sources_digest(folder: Path) -> str:
 
 def processor() -> str:
     """Return the architecture and, where the system tells it, the name of this processor."""
+    return f"{platform.machine()} {processor_name()}".rstrip()
+
+
+def processor_name() -> str:
+    """Return the name of this processor; empty where the system does not tell it."""
+    # Linux alone says nothing of it through `platform`.
     lines = _CPU_INFO.read_text().splitlines() if _CPU_INFO.exists() else []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return " ".join([platform.machine(), *names[:1]])
+    return names[0] if names else ""
 
 
 def _digest_of_package(name: str) -> str:
