@@ -5,6 +5,7 @@ from benchmarks.instances.declared import SUBSETS
 from benchmarks.instances.results import Results
 from benchmarks.instances.steered import describe_steering
 from benchmarks.instances.two_way import CONFIDENCE, RESAMPLES
+from benchmarks.tables.made_on import describe_made_on
 from lqd_search.adaptation import SELECTORS
 
 
@@ -56,12 +57,10 @@ def describe_making(results: Results) -> str:
     if not made:
         return "Nothing was judged."
     threads = " or ".join(map(str, sorted({one.threads for one in made})))
-    versions = ["; ".join(f"{k} {v}" for k, v in one.versions.items()) for one in made]
     sentences = [
         f"{len(made):,} judgements took {sum(one.seconds for one in made) / 3600:.1f} hours, with "
         f"simulation on {threads} {'thread' if threads == '1' else 'threads'}.",
-        f"Machine: {' / '.join(dict.fromkeys(one.machine for one in made))}.",
-        f"Versions: {' / '.join(dict.fromkeys(versions))}.",
+        *describe_made_on(made),
         f"Commit: {' / '.join(dict.fromkeys(one.commit or 'unknown' for one in made))}.",
     ]
     return "\n\n".join(sentences)

@@ -29,7 +29,7 @@ def _missing(task: str, names: Sequence[str], cells: Sequence[SwitchCell]) -> li
 
 
 def _known(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    for name in (value or Switch.LINE).split("+"):
+    for name in value.split("+") if value is not None else ():
         if name not in list(Switch):
             raise SwitchesError(
                 f"Expected switches among {', '.join(Switch)}, joined by +, but got {name!r}."

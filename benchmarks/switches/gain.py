@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.switches.switch_cell import OURS, SwitchCell
+from benchmarks.tables.markdown import markdown_table
+from benchmarks.tables.spread import NOTHING, Spread
 
 # Never those of the benchmarks, which begin at 0; seed k uses the recorded sample k mod 5.
 TUNING_SEEDS = (100, 101, 102, 103, 104)
@@ -76,21 +78,17 @@ def gains(cells: Sequence[SwitchCell]) -> list[Gain]:
 
 def table(cells: Sequence[SwitchCell]) -> str:
     """Return the gains as a Markdown table: medians, and interquartile ranges in brackets."""
-    lines = [
-        "| switch | task | success archive, ratio | ground-truth cells, ratio | pays |",
-        "|---|---|---:|---:|---|",
-    ]
-    lines += [
-        f"| {gain.switches} | {gain.task} | {_spread(gain.size)} | {_spread(gain.cells)} | "
-        f"{gain.verdict} |"
+    head = ("switch", "task", "success archive, ratio", "ground-truth cells, ratio", "pays")
+    rows = [
+        (gain.switches, gain.task, _spread(gain.size), _spread(gain.cells), gain.verdict)
         for gain in gains(cells)
     ]
-    return "\n".join(lines)
+    return markdown_table(head, rows, words=2)
 
 
 def _spread(ratios: Sequence[float]) -> str:
-    low, median, high = np.percentile(ratios, [25, 50, 75])
-    return f"{median:.2f} [{low:.2f}, {high:.2f}]"
+    spread = Spread.of(ratios)
+    return NOTHING if spread is None else spread.median_text(2)
 
 
 def given_up(name: str, cells: Sequence[SwitchCell]) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.recorded_recipe import recorded_recipe
-from benchmarks.tables.cell import RECORDINGS
+from benchmarks.tables.cell import Cell
 from benchmarks.tables.machine import describe_commit
 from lqd_envs import get_task
 from lqd_search.loop import search
@@ -59,8 +59,9 @@ def run_cell(
     task_name: str, switches: Sequence[Switch], *, seed: int, evaluations: int, batch_size: int
 ) -> SwitchCell:
     """Run `ours` with some switches on, and judge its archive."""
-    task = get_task(f"LQD/{task_name.capitalize()}-v0")
-    recipe = recorded_recipe(task, method="ours_plus", sample=seed % RECORDINGS, threads=1)
+    cell = Cell.of(task_name, "ours_plus", seed)
+    task = get_task(cell.task_id)
+    recipe = recorded_recipe(task, method=cell.method, sample=cell.sample, threads=1)
     valid: list[int] = []
     began = time.monotonic()
     with recipe.opened() as evaluate:

@@ -10,6 +10,7 @@ from benchmarks.tables.comparison_table import comparison_section
 from benchmarks.tables.curve_picture import draw_curves
 from benchmarks.tables.figure_files import figure_files
 from benchmarks.tables.long_form import long_form
+from benchmarks.tables.made_on import describe_made_on
 from benchmarks.tables.paper_figures import PaperFigures
 from benchmarks.tables.results import Results
 from benchmarks.tables.study import Study
@@ -76,11 +77,9 @@ def describe(results: Results) -> str:
     ]
     if cells:
         hours = sum(cell.seconds for cell in cells) / 3600
-        versions = ["; ".join(f"{k} {v}" for k, v in cell.versions.items()) for cell in cells]
         sentences += [
             f"Together they took {hours:.1f} hours, each on one thread.",
-            f"Machine: {' / '.join(dict.fromkeys(cell.machine for cell in cells))}.",
-            f"Versions: {' / '.join(dict.fromkeys(versions))}.",
+            *describe_made_on(cells),
             _commits(cell.commit or "unknown" for cell in cells),
             *dict.fromkeys(f"Model: {cell.model}. {cell.provenance}" for cell in cells),
         ]
