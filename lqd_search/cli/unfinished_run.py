@@ -22,7 +22,7 @@ from lqd_search.methods.by_name import FAILURE_COMPETITIONS, METHODS, Setting
 from lqd_search.methods.method import Method
 from lqd_search.methods.plus_switches import Switch
 from lqd_search.methods.steering import STEERING
-from lqd_search.runs.function_text import functionals_digest
+from lqd_search.runs.function_text import FunctionText, functionals_digest
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_recorder import RunRecorder
@@ -148,11 +148,11 @@ def _go_on(
 ) -> tuple[Path, ...]:
     config = folder.config()
     _check_choices(folder, config)
-    _check_functionals(folder, config)
+    functionals = _unchanged_functionals(folder, config)
     recipe = EvaluatorRecipe.of(
         config.task,
         steering=STEERING[config.method],
-        functions=folder.functionals(),
+        functions=functionals,
         lengths=config.lengths,
         threads=threads,
         allow_weak=allow_weak,
@@ -256,7 +256,7 @@ def _check_choices(folder: RunFolder, config: RunConfig) -> None:
             )
 
 
-def _check_functionals(folder: RunFolder, config: RunConfig) -> None:
+def _unchanged_functionals(folder: RunFolder, config: RunConfig) -> tuple[FunctionText, ...]:
     texts = folder.functionals()
     if texts and functionals_digest(texts) != config.functionals:
         raise LQDError(
@@ -264,3 +264,4 @@ def _check_functionals(folder: RunFolder, config: RunConfig) -> None:
             "they were changed; restore them, or begin another run with "
             f"`lqd run {config.task} --functionals {quote(str(folder.path / 'functionals'))}`."
         )
+    return texts
