@@ -82,32 +82,31 @@ def elsewhere(monkeypatch, name, *, here, there):
     monkeypatch.setattr(cluster, name, answer)
 
 
-def test_workers_with_other_versions_are_refused(monkeypatch):
-    here, there = {"mujoco": "4.0.0", "numpy": "2.4.6"}, {"mujoco": "4.0.0", "numpy": "2.3.0"}
-    elsewhere(monkeypatch, "installation", here=here, there=there)
+def check_refused(message):
+    """Check that a cluster with one worker is refused."""
     with (
         running(n_workers=1) as address,
-        pytest.raises(ClusterError, match=r"have numpy 2\.4\.6 as here, but it has 2\.3\.0; inst"),
+        pytest.raises(ClusterError, match=message),
         open_cluster(address),
     ):
         pass
+
+
+def test_workers_with_other_versions_are_refused(monkeypatch):
+    here, there = {"mujoco": "4.0.0", "numpy": "2.4.6"}, {"mujoco": "4.0.0", "numpy": "2.3.0"}
+    elsewhere(monkeypatch, "installation", here=here, there=there)
+    check_refused(r"have numpy 2\.4\.6 as here, but it has 2\.3\.0; inst")
 
 
 def test_workers_on_another_checkout_are_refused(monkeypatch):
     here = installation()
     there = {**here, "lqd_search": "0123456789abcdef" * 4}
     elsewhere(monkeypatch, "installation", here=here, there=there)
-    with (
-        running(n_workers=1) as address,
-        pytest.raises(
-            ClusterError,
-            match=r"^Expected worker tcp://\S+ to run the sources of lqd_search that run here, but "
-            rf"it runs others \(SHA-256 0123456789ab instead of {here['lqd_search'][:12]}\); "
-            "install the same commit",
-        ),
-        open_cluster(address),
-    ):
-        pass
+    check_refused(
+        r"^Expected worker tcp://\S+ to run the sources of lqd_search that run here, but "
+        rf"it runs others \(SHA-256 0123456789ab instead of {here['lqd_search'][:12]}\); "
+        "install the same commit"
+    )
 
 
 @pytest.mark.parametrize("more", ["here", "there"])
@@ -116,12 +115,7 @@ def test_a_package_that_only_one_of_them_compares_is_a_difference(monkeypatch, m
     installations[more]["jax"] = "0.9.1"
     elsewhere(monkeypatch, "installation", **installations)
     versions = [installations[place].get("jax", "none") for place in ("here", "there")]
-    with (
-        running(n_workers=1) as address,
-        pytest.raises(ClusterError, match="have jax {} as here, but it has {};".format(*versions)),
-        open_cluster(address),
-    ):
-        pass
+    check_refused("have jax {} as here, but it has {};".format(*versions))
 
 
 def test_workers_with_another_processor_are_noted_and_used(monkeypatch, caplog):
@@ -142,12 +136,7 @@ def test_workers_that_cannot_say_their_versions_are_refused(monkeypatch):
         raise ModuleNotFoundError("No module named 'lqd_search'")
 
     monkeypatch.setattr(cluster, "installation", installed)
-    with (
-        running(n_workers=1) as address,
-        pytest.raises(ClusterError, match=r"ModuleNotFoundError: No module .*; install lqd-envs"),
-        open_cluster(address),
-    ):
-        pass
+    check_refused(r"ModuleNotFoundError: No module .*; install lqd-envs")
 
 
 def test_a_missing_package_is_named(monkeypatch):
