@@ -37,20 +37,28 @@ def named_instance(text: str, task: Task) -> Instance:
 def listed_instances(task: Task, *, count: int) -> str:
     """Return lines that name the first drawn instances of each kind and say what they ask.
 
+    Of a kind that cannot be drawn for the task they say why.
+
     Args:
         task: The task.
         count: How many of each kind.
     """
-    lines = []
-    for kind in KINDS:
-        for i, instance in enumerate(generate_instances(task, kind, count=count, seed=0)):
-            lines += [f"{kind}:{i}  {instance.name}", *in_words(instance)]
-    return "\n".join(lines)
+    return "\n".join(line for kind in KINDS for line in _listed(task, kind, count=count))
 
 
 def in_words(instance: Instance) -> list[str]:
     """Return what an instance asks, as indented lines."""
     return [f"  {sentence}" for sentence in describe(instance)]
+
+
+def _listed(task: Task, kind: str, *, count: int) -> list[str]:
+    try:
+        instances = generate_instances(task, kind, count=count, seed=0)
+    except InstanceError as error:
+        return [f"{kind}  none", f"  {error}"]
+    named = [f"{kind}:{i}  {instance.name}" for i, instance in enumerate(instances)]
+    words = map(in_words, instances)
+    return [line for name, asked in zip(named, words, strict=True) for line in (name, *asked)]
 
 
 def _drawn(task: Task, kind: str, number: int, seed: int) -> Instance:
