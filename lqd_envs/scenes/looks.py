@@ -17,7 +17,8 @@ def without_looks(spec: mujoco.MjSpec, model: mujoco.MjModel) -> mujoco.MjModel:
     bare = spec.copy()
     for body in bare.bodies[1:]:
         # By default it is worked out from the geoms, those for the eye included.
-        index = model.body(body.name).id
+        # By its id, since a body need not have a name.
+        index = body.id
         body.explicitinertial = True
         body.mass = model.body_mass[index]
         body.ipos = model.body_ipos[index]

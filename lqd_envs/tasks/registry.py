@@ -27,6 +27,15 @@ class DuplicateTaskError(LQDError, ValueError):
     """A task whose id another task has already."""
 
 
+def require_free(task: Task) -> None:
+    """Raise `DuplicateTaskError` where another task has a task's id."""
+    if _TASKS.get(task.id, task) is not task:
+        raise DuplicateTaskError(
+            f"expected an id that is still free, got {task.id!r}, which another task has: give "
+            "yours a name or version of its own"
+        )
+
+
 def add_task(task: Task) -> None:
     """Add a task, so that it is found by its id.
 
@@ -36,11 +45,8 @@ def add_task(task: Task) -> None:
     Raises:
         DuplicateTaskError: Another task has this id.
     """
-    if _TASKS.setdefault(task.id, task) is not task:
-        raise DuplicateTaskError(
-            f"expected an id that is still free, got {task.id!r}, which another task has: give "
-            "yours a name or version of its own"
-        )
+    require_free(task)
+    _TASKS.setdefault(task.id, task)
 
 
 def get_task(task_id: str) -> Task:
@@ -52,7 +58,7 @@ def get_task(task_id: str) -> Task:
     Raises:
         UnknownTaskError: There is no task of that id; the message names those there are.
     """
-    if task_id not in TASKS:
+    if not isinstance(task_id, str) or task_id not in TASKS:
         raise UnknownTaskError(
             f"expected the id of a task, got {task_id!r}: known tasks are {', '.join(TASKS)}"
         )

@@ -4,6 +4,7 @@ import pytest
 
 from lqd_envs import TASKS, rollout
 from lqd_envs.scene import load_scene
+from lqd_envs.scenes.looks import without_looks
 from lqd_envs.tasks.examples import example_solutions
 
 
@@ -59,3 +60,21 @@ def test_a_motion_is_the_same_bits_in_both(scene):
     np.testing.assert_array_equal(
         trajectories.columns.gripper_position[row, 1:], np.array(positions)
     )
+
+
+def test_bodies_need_no_names():
+    spec = mujoco.MjSpec()
+    parent = spec.worldbody.add_body(name="parent")
+    parent.add_geom(size=(0.1, 0.0, 0.0))
+    for mass in (1.0, 2.0):
+        child = parent.add_body()
+        child.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE)
+        child.add_geom(size=(0.1, 0.0, 0.0), mass=mass)
+        child.add_geom(size=(0.2, 0.0, 0.0), mass=10.0 * mass, contype=0, conaffinity=0)
+    model = spec.compile()
+
+    physics = without_looks(spec, model)
+
+    assert (model.ngeom, physics.ngeom) == (5, 3)
+    for field in ("body_mass", "body_inertia", "body_ipos", "body_iquat"):
+        assert getattr(physics, field).tobytes() == getattr(model, field).tobytes()

@@ -105,3 +105,41 @@ def test_task_of_one_s_own_is_found_by_its_id_everywhere(faucet, spare_id):
     assert get_task(spare_id) is mine
     assert gym.make(spare_id).get_wrapper_attr("observation_names")
     assert gym.make_vec(spare_id, num_envs=2).num_envs == 2
+
+
+@pytest.mark.parametrize(
+    "task_id",
+    ["Sink", "Home/Sink", "Sink-v0", "Home/Sink v0-v1", "Home/Sink-v", "a:Home/Sink-v0", "", 3],
+)
+def test_id_of_another_form_is_refused(faucet, task_id):
+    before = dict(gym.registry), dict(TASKS)
+
+    with pytest.raises(LQDError, match=r"in the form Namespace/Name-v0, got .*: name it so$"):
+        register_task(replace(faucet, id=task_id))
+
+    assert (dict(gym.registry), dict(TASKS)) == before
+
+
+def test_id_that_gymnasium_has_for_something_else_is_refused(faucet, spare_id):
+    gym.register(id=spare_id, entry_point="somewhere:Else")
+    before = dict(gym.registry), dict(TASKS)
+
+    with pytest.raises(DuplicateTaskError, match=r"'Tests/Spare-v0', which Gymnasium has for some"):
+        register_task(replace(faucet, id=spare_id))
+
+    assert (dict(gym.registry), dict(TASKS)) == before
+
+
+def test_id_that_gymnasium_refuses_is_not_known_to_anybody(faucet, spare_id):
+    unversioned = spare_id.removesuffix("-v0")
+    gym.register(id=unversioned, entry_point="somewhere:Else")
+    before = dict(gym.registry), dict(TASKS)
+    try:
+        with pytest.raises(
+            LQDError, match=r"an id that Gymnasium takes, got 'Tests/Spare-v0' \(Can"
+        ):
+            register_task(replace(faucet, id=spare_id))
+
+        assert (dict(gym.registry), dict(TASKS)) == before
+    finally:
+        del gym.registry[unversioned]
