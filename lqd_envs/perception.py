@@ -19,9 +19,11 @@ class Info(TypedDict):
 
     Attributes:
         object_position: Base of the object.
-        object_orientation: Roll, pitch and yaw of the object's base; zero at the start.
+        object_orientation: Roll, pitch and yaw of the object's base; zero at the start, but for the
+            yaw where an instance has turned the object.
         object_table_contact: Whether the object touches the table.
-        robot_table_contact: Whether any part of the robot, its fixed base aside, touches the table.
+        robot_table_contact: Whether the robot's hand, a finger, or link 6 or 7 touches the table;
+            nothing else of it can.
         gripper_position: The point midway between the fingertips.
         gripper_orientation: Roll, pitch and yaw of the gripper; zero when the fingers point
             straight down and close along y.

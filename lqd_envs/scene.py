@@ -1,5 +1,6 @@
 """A task's compiled scene, with what is needed to drive it and to read it."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.action import CONTROL_STEP, ActionMap
+from lqd_envs.errors import LQDError
 from lqd_envs.scenes.looks import without_looks
 from lqd_envs.scenes.panda import ARM_JOINTS, FINGER_JOINTS, FINGER_OPEN, HOME
 from lqd_envs.scenes.sensors import SensorReader, add_sensors
@@ -72,6 +74,10 @@ def load_scene(task: Task, *, physics_step: float | None = None) -> Scene:
     Args:
         task: The task.
         physics_step: Physics step in s instead of the scene's own, to measure what it changes.
+
+    Raises:
+        LQDError: The physics step does not divide the control step of 20 ms.
+        InstanceError: An obstacle of the scene touches the object at the start.
     """
     registered = TASKS.get(task.id, task)
     if registered == task:
@@ -96,6 +102,13 @@ def _compile_scene(task: Task, *, physics_step: float | None) -> Scene:
     if physics_step is not None:
         spec.option.timestep = physics_step
     model = spec.compile()
+    substeps = _substeps(model.opt.timestep)
+    sensors = SensorReader.of(model, schema=task.schema)
+    if sensors.sees_obstacles:
+        # Here, since the package of the instances imports this module.
+        from lqd_envs.instances.object_clearance import require_object_clear
+
+        require_object_clear(model, base=task.base)
 
     def addresses(attribute: str, joints: tuple[str, ...]) -> NDArray[np.intp]:
         return np.array([getattr(model.joint(name), attribute)[0] for name in joints], np.intp)
@@ -104,9 +117,9 @@ def _compile_scene(task: Task, *, physics_step: float | None) -> Scene:
         task=task,
         model=model,
         physics=without_looks(spec, model),
-        sensors=SensorReader.of(model, schema=task.schema),
+        sensors=sensors,
         action_map=ActionMap.of(model),
-        substeps=round(CONTROL_STEP / model.opt.timestep),
+        substeps=substeps,
         arm_qpos=addresses("qposadr", ARM_JOINTS),
         arm_qvel=addresses("dofadr", ARM_JOINTS),
         finger_qpos=addresses("qposadr", FINGER_JOINTS),
@@ -116,6 +129,17 @@ def _compile_scene(task: Task, *, physics_step: float | None) -> Scene:
 
 _load_for_good = cache(_compile_scene)
 _load_lately = lru_cache(maxsize=_KEPT_VARIANTS)(_compile_scene)
+
+
+def _substeps(timestep: float) -> int:
+    substeps = round(CONTROL_STEP / timestep) if math.isfinite(timestep) and timestep > 0.0 else 0
+    if not math.isclose(substeps * timestep, CONTROL_STEP, rel_tol=1e-9):
+        raise LQDError(
+            f"expected a physics step that divides the control step of {1e3 * CONTROL_STEP:g} ms, "
+            f"got {1e3 * timestep:g} ms: set the scene's `option.timestep` to a whole part of it, "
+            "such as 0.0025 s"
+        )
+    return substeps
 
 
 def _settled(model: mujoco.MjModel) -> NDArray[np.float64]:

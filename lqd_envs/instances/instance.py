@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs.instances.approach_limit import ApproachLimit
+from lqd_envs.instances.given_parts import checked_obstacles, require_part
 from lqd_envs.instances.instance_error import InstanceError
 from lqd_envs.instances.instance_scene import InstanceScene
 from lqd_envs.instances.instance_success import InstanceSuccess
@@ -51,7 +52,10 @@ class Instance:
                 f"Expected `task` to be the id of a task, but got {self.task!r}; name one, such as "
                 "LQD/Faucet-v0."
             )
-        object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        require_part(self.predicate, Predicate, name="predicate")
+        object.__setattr__(self, "obstacles", checked_obstacles(self.obstacles))
+        require_part(self.approach, ApproachLimit, name="approach")
+        require_part(self.change, SceneChange, name="change")
 
     @property
     def kind(self) -> str:
@@ -68,7 +72,7 @@ class Instance:
     def name(self) -> str:
         """A short name that is the same for equal instances and on every machine.
 
-        Such as `faucet-predicate-3f9a2c`: task, kind, and a digest of all that it is.
+        Such as `faucet-predicate-24b0414c`: task, kind, and a digest of all that it is.
         """
         short = self.task.rpartition("/")[2].partition("-")[0].lower()
         digest = blake2b(self.to_json().encode(), digest_size=4).hexdigest()
@@ -82,9 +86,10 @@ class Instance:
     def apply(self, task: Task) -> Task:
         """Return the task as it is in this instance, for `rollout` and `load_scene`.
 
-        It has the task's id, perception and centre; its scene, success and nearness are the
-        instance's. Solutions stay relative to the task's own centre where the object was moved:
-        the robot is not told.
+        It has the task's id, perception and centre; its scene and success are the instance's. Its
+        nearness is the task's own but for a change, which moves it along with the object: it knows
+        of no predicate, approach limit or obstacle. Solutions stay relative to the task's own
+        centre where the object was moved: the robot is not told.
 
         Args:
             task: The task.

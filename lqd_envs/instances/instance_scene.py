@@ -44,10 +44,12 @@ class InstanceScene:
         root = _root_of(spec.body(self.base))
         if self.change is not None:
             _place(root, self.change, center=self.center)
-            _scale(spec, root, self.change)
         if self.obstacles:
             _add_obstacles(spec, self.obstacles)
             _make_solid(spec, root)
+        if self.change is not None:
+            # Last, so that the friction of obstacles is scaled with all others.
+            _scale(spec, root, self.change)
         return spec
 
 

@@ -39,12 +39,19 @@ class JointBand:
         object.__setattr__(self, "high", high)
 
     def require_fits(self, task: Task) -> None:
-        """Raise `InstanceError` where the task's object has no joint of that name."""
-        names = [joint.name for joint in task.schema.joints]
-        if self.joint not in names:
+        """Raise `InstanceError` where the task's object has no such joint, or it ends below."""
+        joints = {joint.name: joint for joint in task.schema.joints}
+        joint = joints.get(self.joint)
+        if joint is None:
             raise InstanceError(
                 f"Expected a joint of {task.id}, but got {self.joint!r}; its joints are: "
-                f"{', '.join(names) or 'none'}."
+                f"{', '.join(joints) or 'none'}."
+            )
+        if self.low > joint.upper:
+            raise InstanceError(
+                f"Expected a band that {joint.name} of {task.id} reaches, which goes from 0 to "
+                f"{joint.upper:.4g} {joint.unit}, but got one from {self.low:g} to {self.high:g}; "
+                "lower the band."
             )
 
     def holds(self, columns: Columns) -> NDArray[np.bool_]:

@@ -15,6 +15,9 @@ from lqd_envs.tasks.task import ShapedReward
 class MovedNearness:
     """A task's nearness, asked as if object and gripper were moved back; a `ShapedReward` itself.
 
+    Only their positions are moved back: a nearness that looks at orientations, which that of no
+    task here does, sees those of the turned object.
+
     Attributes:
         nearness: The task's own.
         center: The task's centre, m, world frame.

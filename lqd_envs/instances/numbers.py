@@ -22,7 +22,7 @@ def checked_number(value: object, *, name: str, within: Range) -> float:
     low, high = within
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if isinstance(value, bool | str | bytes) or not low <= number <= high:
         raise InstanceError(

@@ -1,6 +1,6 @@
 """A predicate: a condition on a motion beyond the expert's success."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from lqd_envs.perception import Columns
 from lqd_envs.tasks.task import Task
 
 
+@runtime_checkable
 class Predicate(Protocol):
     """A condition on what is perceived of a motion; frozen, hashable, made of plain values."""
 

@@ -30,7 +30,7 @@ _FRICTION, _TABLE_FRICTION = 0.5, 0.2
 
 
 def build_mug_scene() -> mujoco.MjSpec:
-    """Return the scene: robot, table and a hollow mug of 0.4 kg.
+    """Return the scene: robot, table and a hollow mug of about 0.4 kg.
 
     Its handle points to the robot's left (+y). The walls, the bottom and the handle are what the
     robot touches; the table carries the mug on four small feet, and, when it has toppled, on two

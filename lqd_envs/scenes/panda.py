@@ -17,7 +17,7 @@ GRIPPER_SITE = "gripper_center"
 FINGER_OPEN = 0.04
 """Travel of one finger when the gripper is fully open, in m."""
 FINGER_SQUEEZE = -0.01
-"""Lowest finger target, in m: below 0 the fingers press on each other, or on what is between."""
+"""Lowest finger target, in m: below 0 the fingers press on what is between them, or their stops."""
 
 HOME = (0.0, -0.3, 0.0, -2.2, 0.0, 0.33, 0.0)
 """Arm configuration above the table with the fingers pointing down, in rad."""

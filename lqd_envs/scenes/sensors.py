@@ -141,7 +141,11 @@ class SensorReader:
         )
 
     def robot_touches(self, sensordata: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return (...) bool: whether any part of the robot touches table or object."""
+        """Return (...) bool: whether the robot touches anything.
+
+        Its hand, fingers and links 6 and 7 can touch the table and the object; obstacles, where
+        the scene has any, every link that moves.
+        """
         return self._touches(sensordata, _ROBOT_CONTACT)
 
     @property
@@ -150,7 +154,7 @@ class SensorReader:
         return _OBSTACLE_CONTACT in self.slices
 
     def robot_touches_obstacle(self, sensordata: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return (...) bool: whether any part of the robot touches an obstacle of the scene."""
+        """Return (...) bool: whether any link of the robot touches an obstacle of the scene."""
         if not self.sees_obstacles:
             return np.zeros(sensordata.shape[:-1], dtype=bool)
         return self._touches(sensordata, _OBSTACLE_CONTACT)

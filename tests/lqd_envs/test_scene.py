@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from lqd_envs import get_task, rollout
+from lqd_envs import LQDError, get_task, rollout
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.faucet import TAP_RANGE, build_faucet_scene
 from lqd_envs.scenes.panda import ARM_JOINTS, FINGER_JOINTS, HOME
@@ -45,6 +45,19 @@ def test_physics_step_can_be_changed(faucet, scene):
     assert finer.model.opt.timestep == 1e-3
     assert finer.substeps == 20
     assert scene.model.opt.timestep == 0.0025
+
+
+@pytest.mark.parametrize(("step", "substeps"), [(0.02 / 6, 6), (0.02, 1), (0.004, 5)])
+def test_physics_step_divides_the_control_step(faucet, step, substeps):
+    assert load_scene(faucet, physics_step=step).substeps == substeps
+
+
+@pytest.mark.parametrize("step", [0.003, 0.0, -0.0025, 0.04, 0.0025001, float("nan"), float("inf")])
+def test_physics_step_that_does_not_divide_the_control_step_is_refused(faucet, step):
+    with pytest.raises(
+        LQDError, match=r"that divides the control step of 20 ms, got .* ms: set the"
+    ):
+        load_scene(faucet, physics_step=step)
 
 
 @pytest.mark.parametrize("tap", TAPS)

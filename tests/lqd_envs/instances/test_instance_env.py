@@ -12,7 +12,7 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
-from lqd_envs import PAPER_TASKS, LQDError, ManipulationVectorEnv, get_task, rollout
+from lqd_envs import PAPER_TASKS, Info, LQDError, ManipulationVectorEnv, get_task, rollout
 from lqd_envs.instances import KINDS, Instance, InstanceError, Obstacle, generate_instances
 from lqd_envs.scenes.panda import HOME
 
@@ -27,15 +27,15 @@ OBSTRUCTED = generate_instances(FAUCET, "obstacles", count=1, seed=0)[0]
 
 
 def play(env, motions, row):
-    """The infos, `is_success` set aside, and the successes and rewards of a motion in an env."""
+    """What is perceived, and the successes and rewards of a motion in an env."""
     _, info = env.reset(options={"arm": motions.plan.starts[row]})
-    infos, successes, rewards = [info], [info.pop("is_success")], [0.0]
+    infos, rewards = [info], [0.0]
     for action in motions.plan.actions[row]:
         _, reward, _, _, info = env.step(action)
-        successes.append(info.pop("is_success"))
         infos.append(info)
         rewards.append(reward)
-    return infos, successes, rewards
+    perceived = [{key: info[key] for key in Info.__annotations__} for info in infos]
+    return perceived, [info["is_success"] for info in infos], rewards
 
 
 @pytest.mark.parametrize(("task_id", "kind"), BY_KIND)
@@ -100,8 +100,8 @@ def test_after_a_touch_there_is_no_success_and_no_reward_until_the_reset(solving
     _, successes, rewards = play(env, motions, 0)
     assert not successes[-1]
     assert rewards[-1] == 0.0
-    env.reset()
-    assert not env._obstructed
+    assert env.step(motions.plan.actions[0, -1])[4]["discarded"]
+    assert not env.reset()[1]["discarded"]
     # Without the boxes the same motion is a success.
     plain = gym.make(FAUCET, reward=reward).unwrapped
     _, successes, rewards = play(plain, motions, 0)
@@ -120,12 +120,11 @@ def test_a_touch_is_forgotten_by_an_autoreset_and_by_nothing_else(solving, mode)
     envs.reset(options={"arm": np.array([motions.plan.starts[0], HOME])})
     idle = np.zeros(8)
     for action in motions.plan.actions[0]:
-        touched = envs._obstructed.copy()
-        envs.step(np.array([action, idle]))
-    assert touched.tolist() == [True, False]
-    envs.step(np.zeros((2, 8)))
+        infos = envs.step(np.array([action, idle]))[4]
+    ended = infos["final_info"] if mode is AutoresetMode.SAME_STEP else infos
+    assert ended["discarded"].tolist() == [True, False]
 
-    assert envs._obstructed.tolist() == [False, False]
+    assert envs.step(np.zeros((2, 8)))[4]["discarded"].tolist() == [False, False]
     envs.close()
 
 
@@ -177,8 +176,11 @@ def test_start_inside_an_obstacle_is_refused():
     box = Obstacle((0.4634, 0.0, 0.45), (0.05, 0.05, 0.05))
     env = gym.make(PUSH, instance=Instance(PUSH, obstacles=(box,)))
 
-    with pytest.raises(LQDError, match="the robot touches nothing"):
+    text = r"got the usual one with .*obstacle: give another as the argument `start_arm`, or to a"
+    with pytest.raises(LQDError, match=text):
         env.reset()
+    with pytest.raises(LQDError, match=r"got an arm configuration with .*: start further away"):
+        env.reset(options={"arm": HOME})
 
 
 def test_boxes_are_drawn():

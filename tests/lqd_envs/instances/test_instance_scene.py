@@ -13,6 +13,7 @@ from lqd_envs.instances import Instance, Obstacle, SceneChange, generate_instanc
 from lqd_envs.motion import overlaps
 from lqd_envs.scene import load_scene
 from lqd_envs.scenes.panda import HOME
+from lqd_envs.scenes.sensors import OBSTACLES
 
 FAUCET, GRASP, DRAWER, PUSH = "LQD/Faucet-v0", "LQD/Grasp-v0", "LQD/Drawer-v0", "LQD/Push-v0"
 FAR_BOX = Obstacle((-0.3, 0.5, 0.05), (0.02, 0.02, 0.05))
@@ -79,8 +80,11 @@ def test_drawer_is_stopped_by_a_box():
 
 def test_start_inside_an_obstacle_is_rejected(solving):
     motions = solving(FAUCET)
-    between_the_fingers = motions.columns.gripper_position[0, 0].tolist()
-    box = Obstacle(between_the_fingers, (0.045, 0.045, 0.045))
+    scene = load_scene(motions.task)
+    data = mujoco.MjData(scene.model)
+    data.qpos[:] = scene.start_qpos(motions.plan.starts[0])
+    mujoco.mj_forward(scene.model, data)
+    box = Obstacle(data.body("gripper").xpos.tolist(), (0.02, 0.02, 0.02))
     again = rollout(Instance(FAUCET, obstacles=[box]).apply(motions.task), motions.solutions[:1])
 
     assert again.verdicts.tolist() == [Verdict.OVERLAPPING]
@@ -135,6 +139,16 @@ def test_what_is_scaled(task_id):
         np.testing.assert_allclose(other[dofs], scale * some[dofs])
         np.testing.assert_array_equal(other[~dofs], some[~dofs])
     np.testing.assert_array_equal(new.dof_armature, old.dof_armature)
+
+
+def test_friction_of_obstacles_is_scaled_with_all_others():
+    change = SceneChange(contact_friction=0.5, mass=2.0)
+    plain, new = (scene_with(PUSH, FAR_BOX, change=some).model for some in (None, change))
+    box = int(plain.body(OBSTACLES).geomadr[0])
+
+    assert plain.geom_friction[box, 0] == 0.5
+    np.testing.assert_allclose(new.geom_friction, 0.5 * plain.geom_friction)
+    assert new.body(OBSTACLES).mass == plain.body(OBSTACLES).mass
 
 
 def test_solutions_stay_relative_to_the_task_s_own_centre(solving):

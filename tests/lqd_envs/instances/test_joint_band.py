@@ -39,6 +39,28 @@ def test_joint_must_be_the_task_s():
 
 
 @pytest.mark.parametrize(
+    ("task_id", "band", "reach"),
+    [
+        (
+            "LQD/Faucet-v0",
+            JointBand("hot_tap", 3.0, 4.0),
+            "from 0 to 2.094 rad, but got one from 3 to",
+        ),
+        ("LQD/Faucet-v0", JointBand("cold_tap", 2.1, 2.2), "from 0 to 2.094 rad"),
+        ("LQD/Drawer-v0", JointBand("drawer", 0.21, 0.3), "from 0 to 0.2 m, but got one from 0.21"),
+    ],
+)
+def test_band_must_begin_within_the_joint_s_range(task_id, band, reach):
+    with pytest.raises(InstanceError, match=f"of {task_id} reaches, which goes {reach}"):
+        band.require_fits(get_task(task_id))
+
+
+def test_band_may_end_beyond_the_joint_s_range():
+    JointBand("drawer", 0.2, 0.3).require_fits(get_task("LQD/Drawer-v0"))
+    JointBand("hot_tap", 2.0, 2.0944).require_fits(get_task("LQD/Faucet-v0"))
+
+
+@pytest.mark.parametrize(
     ("low", "high", "message"),
     [
         (0.2, 0.1, "`low` below `high`, but got 0.2 and 0.1"),
@@ -46,6 +68,7 @@ def test_joint_must_be_the_task_s():
         (-0.1, 0.1, "`low` to be a number from 0 to 10, but got -0.1"),
         (0.1, float("nan"), "`high` to be a number from 0 to 10, but got nan"),
         (0.1, "much", "`high` to be a number from 0 to 10, but got 'much'"),
+        (0.1, 10**400, "`high` to be a number from 0 to 10, but got 1000"),
         (True, 2.0, "`low` to be a number from 0 to 10, but got True"),
     ],
 )
