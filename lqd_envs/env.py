@@ -1,5 +1,6 @@
 """A task as a Gymnasium environment."""
 
+import copy
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,24 +11,19 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.action import ACTION_DIM, CONTROL_STEP
+from lqd_envs.discarded import spoils
 from lqd_envs.errors import LQDError
-from lqd_envs.inputs import (
-    checked_action,
-    checked_arm,
-    checked_size,
-    overlap_error,
-    require_known_options,
-)
+from lqd_envs.inputs import checked_action, checked_options, checked_render_mode, checked_size
 from lqd_envs.instances.instance import Instance, task_of
 from lqd_envs.observation import Observation
 from lqd_envs.perception import Columns
 from lqd_envs.rendering import ArrayRenderer, WindowRenderer
 from lqd_envs.reward import get_reward
 from lqd_envs.scene import load_scene
-from lqd_envs.scenes.panda import HOME
+from lqd_envs.start_arm import checked_arm, checked_start_arm, overlap_error
 
 MAX_EPISODE_STEPS = 150
-"""Length of an episode in control steps (3 s): twice that of a motion primitive."""
+"""Length of a registered env's episode in control steps (3 s): two motion primitives."""
 
 
 class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
@@ -74,33 +70,54 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
 
     ## Info
 
-    The eight keys of the perception API (`lqd_envs.Info`) and `is_success`, the expert's word on
-    the present moment, a bool.
+    The eight keys of the perception API (`lqd_envs.Info`) and two bools:
+
+    * `is_success`: the expert's word on the present moment; False where `discarded` is True.
+    * `discarded`: whether anything since the reset was what no real contact does, or what a real
+      robot would have stopped at: two bodies more than 3 mm inside each other, the object's
+      farthest point faster than 2 m/s, a simulation that diverged, or the robot at an obstacle. It
+      is looked at after each control step, and within the limits of `lqd_envs.rollout`.
 
     ## Reward
 
     `reward="sparse"`: 1 where `is_success` holds, 0 elsewhere. `reward="dense"`: 1 where it holds;
     elsewhere half of a nearness in [0, 1], of which a quarter is exp(-d / 0.1 m) for the distance d
     from the gripper to what it should touch, and three quarters are the share of the task that is
-    done (the task's page says what that is).
+    done (the task's page says what that is). Both are 0 from the step on at which `discarded`
+    becomes True.
+
+    A success is of the moment: a mug that a bump lifts off the table for one control step, while
+    the gripper touches it, is rewarded at that step. Judge a policy by `is_success` at the end of
+    the episode, as motions are judged.
 
     ## Start
 
     The arm above the table with open fingers, the object at rest, everything still; every start
     is the same. `reset(options={"arm": [...]})` starts from seven joint positions of one's own
-    (rad): within the joint limits, and with nothing of the robot inside table or object.
+    (rad), and the argument `start_arm` makes them the usual start: within the joint limits, with
+    hand, fingers and links 6 and 7 outside table and object, and no link in an obstacle.
 
     ## End
 
-    An episode never terminates. It is truncated after 150 control steps, or as soon as the
-    simulation diverges; MuJoCo then starts over from its default state, and `is_success` is False.
+    An episode never terminates. It is truncated after 150 control steps, by the `TimeLimit` that
+    `gymnasium.make` puts around the env (one that is built by `ManipulationEnv(...)` itself goes
+    on), or as soon as the simulation diverges; MuJoCo then starts over from its default state, and
+    `discarded` is True.
+
+    ## Simulation
+
+    `env.unwrapped.model` and `env.unwrapped.data` are the `mujoco.MjModel` and `mujoco.MjData` of
+    this env alone (25 MB for the model): what you change in them changes no other env. Frictions,
+    masses and gains may be changed; the physics step and the number of anything must stay.
 
     ## Arguments
 
     * `task`: id of the task.
     * `instance`: an `lqd_envs.instances.Instance` of the task, the dictionary of one, or None. Its
       scene is simulated, and a success is what it calls one. Once the robot has touched one of its
-      obstacles, there is no success and no reward until the next reset.
+      obstacles, the episode is discarded.
+    * `start_arm`: seven joint positions (rad) of the usual start, or None for the arm above the
+      table.
     * `reward`: `"sparse"` or `"dense"`.
     * `render_mode`: `"rgb_array"`, `"human"` or None.
     * `width`, `height`: size of the pictures in pixels.
@@ -120,26 +137,24 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         task: str = "LQD/Faucet-v0",
         *,
         instance: Instance | Mapping[str, Any] | None = None,
+        start_arm: ArrayLike | None = None,
         reward: str = "sparse",
         render_mode: str | None = None,
         width: int = 640,
         height: int = 480,
     ) -> None:
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise LQDError(
-                f"expected render_mode to be one of {self.metadata['render_modes']} or None, "
-                f"got {render_mode!r}"
-            )
-        self.render_mode = render_mode
+        self.render_mode = checked_render_mode(render_mode, known=self.metadata["render_modes"])
         self._size = checked_size(width, height)
         self._scene = load_scene(task_of(task, instance))
+        self._start_arm = checked_start_arm(start_arm, scene=self._scene)
         self._reward = get_reward(reward)
         self._layout = Observation.of(self._scene)
         self._renderer: ArrayRenderer | None = None
         self._window: WindowRenderer | None = None
         self._start_sensordata: NDArray[np.float64] | None = None
-        self._obstructed = False
-        self.model = self._scene.model
+        self._discarded = False
+        # The scene's own is shared by all that simulate the task.
+        self.model = copy.copy(self._scene.model)
         self.data = mujoco.MjData(self.model)
         self.action_space = spaces.Box(-1.0, 1.0, (ACTION_DIM,), np.float32)
         self.observation_space = spaces.Box(self._layout.low, self._layout.high, dtype=np.float64)
@@ -165,17 +180,16 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             ResetError: An option is unknown, or the arm cannot start there.
         """
         super().reset(seed=seed)
-        options = options or {}
-        require_known_options(options, known=("arm",))
-        arm = checked_arm(options.get("arm", HOME), scene=self._scene)
+        given = checked_options(options, known=("arm",))
+        arm = checked_arm(given.get("arm", self._start_arm), scene=self._scene)
         self._start_sensordata = None
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._scene.start_qpos(arm)
         mujoco.mj_forward(self.model, self.data)
         if self._scene.sensors.robot_touches(self.data.sensordata):
-            raise overlap_error()
+            raise overlap_error(usual="arm" not in given)
         self._start_sensordata = self.data.sensordata.copy()
-        self._obstructed = False
+        self._discarded = bool(spoils(self._scene.sensors, self.data.sensordata))
         if self.render_mode == "human":
             self.render()
         observation, _, info = self._observe(self._start_sensordata)
@@ -196,8 +210,7 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         Raises:
             LQDError: The action has another shape or is not finite, or `reset` was not called.
         """
-        if self._start_sensordata is None:
-            raise LQDError("expected reset() before the first step(): call env.reset() once")
+        start = self._require_started("step")
         self.data.ctrl[:] = self._scene.action_map.controls(checked_action(action))
         mujoco.mj_step(self.model, self.data, nstep=self._scene.substeps)
         # Sensors describe the state before the last substep; this makes them current, and the
@@ -205,12 +218,11 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         mujoco.mj_step1(self.model, self.data)
         if self.render_mode == "human":
             self.render()
-        observation, columns, info = self._observe(self._start_sensordata)
         diverged = bool(np.any(self.data.warning.number))
-        self._obstructed |= bool(self._scene.sensors.robot_touches_obstacle(self.data.sensordata))
-        failed = diverged or self._obstructed
-        info["is_success"] &= not failed
-        reward = 0.0 if failed else float(self._reward(self._scene.task, columns)[0])
+        spoiled = bool(spoils(self._scene.sensors, self.data.sensordata))
+        self._discarded = self._discarded or diverged or spoiled
+        observation, columns, info = self._observe(start)
+        reward = 0.0 if self._discarded else float(self._reward(self._scene.task, columns)[0])
         return observation, reward, False, diverged, info
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -220,8 +232,11 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             (height, width, 3) uint8, or None.
 
         Raises:
+            LQDError: `reset` was not called.
             RenderingError: There is nothing here to draw with.
         """
+        if self.render_mode is not None:
+            self._require_started("render")
         if self.render_mode == "rgb_array":
             if self._renderer is None:
                 width, height = self._size
@@ -246,6 +261,11 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
         # An OpenGL context and a window belong to their process; a copy opens its own.
         return {**vars(self), "_renderer": None, "_window": None}
 
+    def _require_started(self, caller: str) -> NDArray[np.float64]:
+        if self._start_sensordata is None:
+            raise LQDError(f"expected reset() before the first {caller}(): call env.reset() once")
+        return self._start_sensordata
+
     def _observe(
         self, start: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], Columns, dict[str, Any]]:
@@ -260,5 +280,6 @@ class ManipulationEnv(gym.Env[NDArray[np.float64], NDArray[np.float32]]):
             columns=columns,
         )[0]
         info: dict[str, Any] = dict(columns.infos(0)[-1])
-        info["is_success"] = bool(self._scene.task.success(columns)[0])
+        info["is_success"] = bool(self._scene.task.success(columns)[0]) and not self._discarded
+        info["discarded"] = self._discarded
         return observation, columns, info

@@ -36,6 +36,6 @@ def get_reward(name: str) -> Reward:
     Raises:
         LQDError: There is none of that name; the message names those there are.
     """
-    if name not in REWARDS:
+    if not isinstance(name, str) or name not in REWARDS:
         raise LQDError(f"expected a reward of {', '.join(REWARDS)}, got {name!r}")
     return REWARDS[name]

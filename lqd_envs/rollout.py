@@ -7,13 +7,14 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import ArrayLike, NDArray
 
+from lqd_envs.discarded import too_deep, too_fast
 from lqd_envs.motion import MOTION_STEPS, MotionPlan, plan_motions
 from lqd_envs.scene import Scene, load_scene
 from lqd_envs.solution_space import SolutionSpace
 from lqd_envs.tasks.registry import get_task
 from lqd_envs.tasks.task import Task
 from lqd_envs.trajectories import Trajectories
-from lqd_envs.verdict import DEEPEST_CONTACT, FASTEST_OBJECT, Verdict
+from lqd_envs.verdict import Verdict
 
 # Bounds the memory of the records, which hold every physics step: about 100 kB a motion.
 _CHUNK = 512
@@ -113,7 +114,7 @@ def _simulate_chunk(
 def _judge(
     scene: Scene, sensordata: NDArray[np.float64], warned: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:
-    deep = scene.sensors.depth(sensordata).max(axis=1) > DEEPEST_CONTACT
-    fast = scene.sensors.speed(sensordata).max(axis=1) > FASTEST_OBJECT
+    deep = too_deep(scene.sensors, sensordata).any(axis=1)
+    fast = too_fast(scene.sensors, sensordata).any(axis=1)
     causes = [Verdict.DIVERGED, Verdict.PENETRATING, Verdict.TOO_FAST]
     return np.select([warned, deep, fast], causes, Verdict.VALID).astype(np.uint8)

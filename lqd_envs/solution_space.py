@@ -24,7 +24,7 @@ _INWARDS = 1e-15
 
 
 class SolutionError(LQDError, ValueError):
-    """Solutions of a wrong shape, or with numbers that are not finite."""
+    """Solutions of a wrong shape, with numbers that are not finite, or outside the space."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,7 @@ class SolutionSpace:
         """
         try:
             array = np.asarray(solutions, dtype=np.float64)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise SolutionError(
                 f"expected solutions as an array of shape (n, {self.dim}), got something that is "
                 f"not an array of numbers ({error}): pass one row "

@@ -13,20 +13,22 @@ from mujoco.batch import Batch
 from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.action import ACTION_DIM, CONTROL_STEP
+from lqd_envs.discarded import spoils
 from lqd_envs.env import MAX_EPISODE_STEPS
+from lqd_envs.episodes import Episodes
 from lqd_envs.errors import LQDError
 from lqd_envs.inputs import (
     ResetError,
     checked_actions,
-    checked_arms,
     checked_count,
     checked_limit,
     checked_mask,
     checked_mode,
+    checked_options,
+    checked_render_mode,
     checked_size,
+    checked_threads,
     named_envs,
-    overlap_error,
-    require_known_options,
 )
 from lqd_envs.instances.instance import Instance, task_of
 from lqd_envs.observation import Observation
@@ -34,7 +36,7 @@ from lqd_envs.perception import Columns
 from lqd_envs.rendering import ArrayRenderer
 from lqd_envs.reward import get_reward
 from lqd_envs.scene import load_scene
-from lqd_envs.scenes.panda import HOME
+from lqd_envs.start_arm import checked_arms, checked_start_arm, overlap_error
 from lqd_envs.vector_info import column_infos, final_infos
 
 _NO_STAGE = int(mujoco.mjtStage.mjSTAGE_NONE)
@@ -56,10 +58,10 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
     ## Info
 
     Columns instead of a dictionary for each env: positions and orientations are (num_envs, 3)
-    float64, contacts and `is_success` (num_envs,) bool. `gripper_contacts` and `joint_positions`
-    are dictionaries of (num_envs,) arrays. Beside each key, `_key` is a (num_envs,) bool array of
-    the envs that the value is for: all of them, or those that were just reset by a `reset_mask`;
-    the others' values are zero.
+    float64, contacts, `is_success` and `discarded` (num_envs,) bool. `gripper_contacts` and
+    `joint_positions` are dictionaries of (num_envs,) arrays. Beside each key, `_key` is a
+    (num_envs,) bool array of the envs that the value is for: all of them, or those that were just
+    reset by a `reset_mask`; the others' values are zero.
 
     ## Autoreset
 
@@ -69,7 +71,8 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
     | `SAME_STEP` | is reset at once; `final_obs` and `final_info` hold what was before |
     | `DISABLED` | must be reset with a `reset_mask` before the next step |
 
-    An autoreset starts from the usual start.
+    An autoreset starts from the usual start: the argument `start_arm`, whatever the option `arm` of
+    the last `reset` was.
 
     ## Options of `reset`
 
@@ -79,8 +82,9 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
     ## Arguments
 
     * `num_envs`: number of envs.
-    * `task`, `instance`, `reward`, `width`, `height`: as in `ManipulationEnv`.
+    * `task`, `instance`, `start_arm`, `reward`, `width`, `height`: as in `ManipulationEnv`.
     * `max_episode_steps`: control steps after which an episode is truncated; None or -1: never.
+      For `gymnasium.make`, of single envs, -1 means that too, but None means 150.
     * `autoreset_mode`: a `gymnasium.vector.AutoresetMode` or its value, such as `"SameStep"`.
     * `render_mode`: `"rgb_array"` or None.
     * `threads`: threads to use; 0: one for each CPU.
@@ -102,6 +106,7 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         task: str = "LQD/Faucet-v0",
         *,
         instance: Instance | Mapping[str, Any] | None = None,
+        start_arm: ArrayLike | None = None,
         reward: str = "sparse",
         max_episode_steps: int | None = MAX_EPISODE_STEPS,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
@@ -110,15 +115,15 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         height: int = 480,
         threads: int = 0,
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise LQDError(f"expected render_mode to be 'rgb_array' or None, got {render_mode!r}")
         self.num_envs = checked_count(num_envs)
         self._mode = checked_mode(autoreset_mode)
-        self._limit = checked_limit(max_episode_steps)
+        self._episodes = Episodes.of(self.num_envs, limit=checked_limit(max_episode_steps))
         self._size = checked_size(width, height)
-        self.render_mode = render_mode
+        self.render_mode = checked_render_mode(render_mode, known=self.metadata["render_modes"])
+        threads = checked_threads(threads)
         self.metadata = {**self.metadata, "autoreset_mode": self._mode}
         self._scene = load_scene(task_of(task, instance))
+        self._start_arm = checked_start_arm(start_arm, scene=self._scene)
         self._reward = get_reward(reward)
         self._layout = Observation.of(self._scene)
         self._renderer: ArrayRenderer | None = None
@@ -128,13 +133,19 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         )
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self.batch = Batch(self._scene.model, self.num_envs, threads, persistent=True)
-        self._sensordata: _Floats = self.batch.bind("sensordata")
-        self._start_sensordata = np.zeros_like(self._sensordata)
-        self._started = np.zeros(self.num_envs, dtype=bool)
-        self._done = np.zeros(self.num_envs, dtype=bool)
-        self._obstructed = np.zeros(self.num_envs, dtype=bool)
-        self._elapsed = np.zeros(self.num_envs, dtype=np.int64)
+        self._batch: Batch | None = Batch(
+            self._scene.model, self.num_envs, threads, persistent=True
+        )
+        self._start_sensordata = np.zeros((self.num_envs, self._scene.model.nsensordata))
+
+    @property
+    def batch(self) -> Batch:
+        """The simulations.
+
+        Raises:
+            LQDError: The envs were closed.
+        """
+        return self._require_open()
 
     @property
     def observation_names(self) -> tuple[str, ...]:
@@ -160,23 +171,22 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         Raises:
             ResetError: An option is unknown or wrong, or an arm cannot start there; after the
                 latter those envs must be reset again.
+            LQDError: The envs were closed.
         """
-        options = options or {}
-        require_known_options(options, known=("arm", "reset_mask"))
+        self._require_open()
+        given = checked_options(options, known=("arm", "reset_mask"))
         mask = np.ones(self.num_envs, dtype=bool)
-        if "reset_mask" in options:
-            mask = checked_mask(options["reset_mask"], num_envs=self.num_envs)
-        self._require_others_started(mask)
+        if "reset_mask" in given:
+            mask = checked_mask(given["reset_mask"], num_envs=self.num_envs)
+        self._episodes.require_others_started(mask)
         envs = np.flatnonzero(mask)
         arms = checked_arms(
-            options.get("arm", HOME), scene=self._scene, num_envs=self.num_envs, envs=envs
+            given.get("arm", self._start_arm), scene=self._scene, num_envs=self.num_envs, envs=envs
         )
         super().reset(seed=self._first_seed(seed))
-        self._start(envs, arms)
+        self._start(envs, arms, usual="arm" not in given)
         observations, columns = self._perceive()
-        return observations, column_infos(
-            columns, success=self._scene.task.success(columns), mask=mask
-        )
+        return observations, self._infos(columns, mask=mask)
 
     def step(self, actions: ArrayLike) -> tuple[_Floats, _Floats, _Bools, _Bools, dict[str, Any]]:
         """Simulate one control step of 20 ms in every env, but for those that are to be reset.
@@ -189,34 +199,35 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
             truncations, and infos.
 
         Raises:
-            LQDError: The actions have another shape or are not finite, or an env must be reset
-                first.
+            LQDError: The actions have another shape or are not finite, an env must be reset first,
+                or the envs were closed.
+            ResetError: The usual start of an autoreset is blocked.
         """
-        self._require_ready()
-        restarts = self._done & (self._mode is AutoresetMode.NEXT_STEP)
+        batch, episodes = self._require_open(), self._episodes
+        episodes.require_ready(self._mode)
+        restarts = episodes.over & (self._mode is AutoresetMode.NEXT_STEP)
         stepped = ~restarts
         self._simulate(np.flatnonzero(stepped), actions)
         self._restart(restarts)
 
         observations, columns = self._perceive()
-        diverged = stepped & self.batch.warning[:, :, 1].any(axis=1)
-        self._obstructed |= self._scene.sensors.robot_touches_obstacle(self._sensordata)
-        failed = diverged | self._obstructed
-        success = self._scene.task.success(columns) & ~failed
-        rewards = np.where(
-            stepped & ~failed, self._reward(self._scene.task, columns), np.float64(0.0)
+        episodes.go_on(
+            stepped,
+            spoiled=spoils(self._scene.sensors, self._sensordata),
+            diverged=stepped & batch.warning[:, :, 1].any(axis=1),
         )
-        self._done = stepped & (diverged | self._is_over())
-        truncations = self._done.copy()
+        rewards = np.where(
+            stepped & ~episodes.discarded, self._reward(self._scene.task, columns), np.float64(0.0)
+        )
+        truncations = episodes.over.copy()
         final: dict[str, Any] = {}
         if self._mode is AutoresetMode.SAME_STEP and truncations.any():
-            final = final_infos(observations, columns, success=success, mask=truncations)
+            final = final_infos(
+                observations, self._infos(columns, mask=truncations), mask=truncations
+            )
             self._restart(truncations)
             observations, columns = self._perceive()
-            success = self._scene.task.success(columns) & ~self._obstructed
-        infos = final | column_infos(
-            columns, success=success, mask=np.ones(self.num_envs, dtype=bool)
-        )
+        infos = final | self._infos(columns, mask=np.ones(self.num_envs, dtype=bool))
         return observations, rewards, np.zeros(self.num_envs, dtype=bool), truncations, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
@@ -226,50 +237,64 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
             num_envs times (height, width, 3) uint8, or None.
 
         Raises:
-            LQDError: `reset` was not called.
+            LQDError: `reset` was not called, or the envs were closed.
             RenderingError: There is nothing here to draw with.
         """
         if self.render_mode is None:
             return None
-        self._require_started("render")
+        batch = self._require_open()
+        self._episodes.require_started("render")
         if self._renderer is None:
             width, height = self._size
             self._renderer = ArrayRenderer(self._scene.model, width=width, height=height)
         data = mujoco.MjData(self._scene.model)
         return tuple(
-            self._renderer.render(self.batch.get_data(env, data)) for env in range(self.num_envs)
+            self._renderer.render(batch.get_data(env, data)) for env in range(self.num_envs)
         )
 
     def close_extras(self, **_: Any) -> None:
-        """Free the OpenGL context."""
+        """End the threads, drop the simulations and free the OpenGL context."""
+        self._batch = None
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
+
+    def _require_open(self) -> Batch:
+        if self._batch is None:
+            raise LQDError("expected open envs, got closed ones: make them anew")
+        return self._batch
 
     def _simulate(self, envs: NDArray[np.intp], actions: object) -> None:
         checked = checked_actions(actions, num_envs=self.num_envs, envs=envs)
         self.batch.bind("ctrl")[envs] = self._scene.action_map.controls(checked)
         self.batch.step(ids=envs, nstep=self._scene.substeps, stage=_VEL_STAGE)
-        self._elapsed[envs] += 1
 
-    def _start(self, envs: NDArray[np.intp], arms: _Floats) -> None:
-        self._started[envs] = False
+    def _start(self, envs: NDArray[np.intp], arms: _Floats, *, usual: bool) -> None:
+        self._episodes.started[envs] = False
         self.batch.reset(ids=envs, stage=_NO_STAGE)
         self.batch.bind("qpos")[envs] = self._scene.start_qpos(arms)
         self.batch.forward(ids=envs, stage=_VEL_STAGE)
-        overlapping = envs[self._scene.sensors.robot_touches(self._sensordata[envs])]
+        sensordata = self._sensordata[envs]
+        overlapping = envs[self._scene.sensors.robot_touches(sensordata)]
         if len(overlapping):
-            raise overlap_error(f" in {named_envs(overlapping)}")
-        self._start_sensordata[envs] = self._sensordata[envs]
-        self._started[envs] = True
-        self._done[envs] = False
-        self._obstructed[envs] = False
-        self._elapsed[envs] = 0
+            raise overlap_error(usual=usual, place=f" in {named_envs(overlapping)}")
+        self._start_sensordata[envs] = sensordata
+        self._episodes.start(envs, discarded=spoils(self._scene.sensors, sensordata))
 
     def _restart(self, mask: _Bools) -> None:
         envs = np.flatnonzero(mask)
         if len(envs):
-            self._start(envs, np.tile(HOME, (len(envs), 1)))
+            self._start(envs, np.tile(self._start_arm, (len(envs), 1)), usual=True)
+
+    @property
+    def _sensordata(self) -> _Floats:
+        bound: _Floats = self.batch.bind("sensordata")
+        return bound
+
+    def _infos(self, columns: Columns, *, mask: _Bools) -> dict[str, Any]:
+        discarded = self._episodes.discarded
+        success = self._scene.task.success(columns) & ~discarded
+        return column_infos(columns, success=success, discarded=discarded, mask=mask)
 
     def _perceive(self) -> tuple[_Floats, Columns]:
         since_start = np.stack([self._start_sensordata, self._sensordata], axis=1)
@@ -283,11 +308,6 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
         )
         return observations, columns
 
-    def _is_over(self) -> _Bools:
-        if self._limit is None:
-            return np.zeros(self.num_envs, dtype=bool)
-        return self._elapsed >= self._limit
-
     def _first_seed(self, seed: int | list[int | None] | None) -> int | None:
         if not isinstance(seed, list | tuple):
             return seed
@@ -297,28 +317,3 @@ class ManipulationVectorEnv(gym.vector.VectorEnv[_Floats, ArrayLike, NDArray[Any
                 f"of {len(seed)}"
             )
         return seed[0]
-
-    def _require_others_started(self, mask: _Bools) -> None:
-        missing = np.flatnonzero(~self._started & ~mask)
-        if len(missing):
-            raise ResetError(
-                "expected the option 'reset_mask' to pick every env that was not started yet, "
-                f"but {named_envs(missing)} would be left out: reset those too"
-            )
-
-    def _require_started(self, caller: str) -> None:
-        missing = np.flatnonzero(~self._started)
-        if len(missing):
-            raise LQDError(
-                f"expected reset() before {caller}(), but {named_envs(missing)} did not start: "
-                "call envs.reset() once"
-            )
-
-    def _require_ready(self) -> None:
-        self._require_started("step")
-        if self._mode is AutoresetMode.DISABLED and self._done.any():
-            raise LQDError(
-                f"expected {named_envs(np.flatnonzero(self._done))} to be reset after the end of "
-                'an episode, since autoreset is disabled: call envs.reset(options={"reset_mask": '
-                "terminations | truncations})"
-            )

@@ -9,7 +9,11 @@ from lqd_envs.perception import Columns
 
 
 def column_infos(
-    columns: Columns, *, success: NDArray[np.bool_], mask: NDArray[np.bool_]
+    columns: Columns,
+    *,
+    success: NDArray[np.bool_],
+    discarded: NDArray[np.bool_],
+    mask: NDArray[np.bool_],
 ) -> dict[str, Any]:
     """Return the last moments of the envs in the mask, and zeros for the others."""
     contacts, positions = columns.gripper_contacts[:, -1], columns.joint_positions[:, -1]
@@ -24,6 +28,7 @@ def column_infos(
         "gripper_contacts": dict(zip(columns.schema.links, contacts.T, strict=True)),
         "joint_positions": dict(zip(joints, positions.T, strict=True)),
         "is_success": success,
+        "discarded": discarded,
     }
     return _masked(values, mask)
 
@@ -42,19 +47,21 @@ def _masked(values: dict[str, Any], mask: NDArray[np.bool_]) -> dict[str, Any]:
 
 
 def final_infos(
-    observations: NDArray[np.float64],
-    columns: Columns,
-    *,
-    success: NDArray[np.bool_],
-    mask: NDArray[np.bool_],
+    observations: NDArray[np.float64], infos: dict[str, Any], *, mask: NDArray[np.bool_]
 ) -> dict[str, Any]:
-    """Return what `SAME_STEP` tells of the episodes that ended, as Gymnasium nests it."""
+    """Return what `SAME_STEP` tells of the episodes that ended, as Gymnasium nests it.
+
+    Args:
+        observations: (num_envs, d) last observations.
+        infos: Last infos of the envs in the mask, as columns.
+        mask: (num_envs,) whose episode ended.
+    """
     final_obs = np.full(len(mask), None, dtype=object)
     for env in np.flatnonzero(mask):
         final_obs[env] = observations[env].copy()
     return {
         "final_obs": final_obs,
         "_final_obs": mask.copy(),
-        "final_info": column_infos(columns, success=success, mask=mask),
+        "final_info": infos,
         "_final_info": mask.copy(),
     }

@@ -11,8 +11,9 @@ from gymnasium.envs.mujoco.utils import check_mujoco_reset_state
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import RecordEpisodeStatistics, RecordVideo, TimeLimit
 
-from lqd_envs import PAPER_TASKS, TASKS, Info, LQDError, ManipulationEnv, RenderingError
+from lqd_envs import PAPER_TASKS, TASKS, Info, LQDError, ManipulationEnv, RenderingError, Verdict
 from lqd_envs.rendering_backend import has_display
+from lqd_envs.scenes.panda import HOME
 
 IDS = sorted(spec.id for spec in gym.registry.values() if spec.namespace == "LQD")
 EPISODE = 150
@@ -129,9 +130,47 @@ def test_info_has_the_same_keys_from_reset_and_step(env):
     _, first = env.reset()
     _, _, _, _, second = env.step(np.zeros(8))
 
-    assert tuple(first) == tuple(second) == (*Info.__annotations__, "is_success")
+    assert tuple(first) == tuple(second) == (*Info.__annotations__, "is_success", "discarded")
     for key in ("gripper_contacts", "joint_positions"):
         assert tuple(first[key]) == tuple(second[key])
+
+
+def test_discarded_motion_ends_as_in_the_batch(env, discarded_motion, task_id):
+    motions = discarded_motion(task_id)
+    assert Verdict(int(motions.verdicts[0])).discarded
+    assert motions.task.success(motions.columns)[0]
+    moments = list(play(env, motions, 0))
+
+    perceived = [{key: info[key] for key in Info.__annotations__} for _, _, info in moments]
+    assert perceived == motions.infos(0)
+    discarded = [info["discarded"] for _, _, info in moments]
+    first = discarded.index(True)
+    assert first > 0
+    assert all(discarded[first:])
+    assert [reward for _, reward, _ in moments[first:]] == [0.0] * (76 - first)
+    assert not any(info["is_success"] for _, _, info in moments[first:])
+    assert moments[-1][2]["is_success"] == motions.success()[0]
+    _, info = env.reset()
+    assert info["discarded"] is False
+
+
+def test_discarded_motion_is_that_of_single_envs_in_the_vector_env(env, discarded_motion, task_id):
+    motions = discarded_motion(task_id)
+    envs = gym.make_vec(task_id, num_envs=2, autoreset_mode="SameStep", max_episode_steps=75)
+    envs.reset(options={"arm": np.array([motions.plan.starts[0], HOME])})
+    single = [info for _, _, info in play(env, motions, 0)][1:]
+    for action, info in zip(motions.plan.actions[0], single, strict=True):
+        _, rewards, _, truncations, infos = envs.step(np.array([action, np.zeros(8)]))
+        ended = infos["final_info"] if truncations[0] else infos
+        for key in ("is_success", "discarded"):
+            assert ended[key][0] == info[key]
+        assert rewards[0] == float(info["is_success"])
+
+    assert truncations.all()
+    assert ended["discarded"][0]
+    assert infos["discarded"].tolist() == [False, False]
+    assert infos["_discarded"].tolist() == [True, True]
+    envs.close()
 
 
 def numbers_in(value):

@@ -11,6 +11,7 @@ from lqd_envs import TASKS, ManipulationEnv
 from lqd_envs.env import MAX_EPISODE_STEPS
 from lqd_envs.reward import REWARDS
 from lqd_envs.scene import load_scene
+from lqd_envs.verdict import DEEPEST_CONTACT, FASTEST_OBJECT
 
 PAGE = inspect.getdoc(ManipulationEnv)
 HEADINGS = [
@@ -21,6 +22,7 @@ HEADINGS = [
     "Reward",
     "Start",
     "End",
+    "Simulation",
     "Arguments",
     "Version history",
 ]
@@ -71,6 +73,11 @@ def test_arguments_are_those_of_the_constructor():
     assert documented == list(inspect.signature(ManipulationEnv).parameters)
     assert all(f'"{name}"' in section("Arguments") for name in REWARDS)
     assert all(f'`reward="{name}"`' in section("Reward") for name in REWARDS)
+
+
+def test_limits_of_what_is_discarded_are_the_documented_ones():
+    assert f"more than {1e3 * DEEPEST_CONTACT:g} mm" in section("Info")
+    assert f"faster than {FASTEST_OBJECT:g} m/s" in section("Info")
 
 
 def test_length_of_an_episode_is_the_documented_one():

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -5,7 +7,16 @@ from gymnasium.envs.mujoco.utils import check_mujoco_reset_state
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import TimeLimit
 
-from lqd_envs import LQDError, ManipulationEnv, ResetError, UnknownTaskError, Verdict
+from lqd_envs import (
+    Info,
+    LQDError,
+    ManipulationEnv,
+    MotionPlan,
+    ResetError,
+    UnknownTaskError,
+    Verdict,
+)
+from lqd_envs.rollout import simulate
 from lqd_envs.scenes.panda import HOME
 
 ID = "LQD/Faucet-v0"
@@ -18,9 +29,27 @@ def env():
     env.close()
 
 
-def without_success(info):
+def perceived(info):
     """The eight keys of the perception API, as a text that shows every bit of them."""
-    return repr({key: value for key, value in info.items() if key != "is_success"})
+    return repr({key: info[key] for key in Info.__annotations__})
+
+
+def still(scene):
+    """The plan of one motion in which the arm stays at home."""
+    starts = np.array([HOME])
+    action = scene.action_map.actions(starts, finger_target=np.full(1, 0.04))
+    return MotionPlan(
+        verdicts=np.array([Verdict.VALID], dtype=np.uint8),
+        starts=starts,
+        actions=np.repeat(action[:, None], 75, axis=1),
+    )
+
+
+def open_by_a_spring(model, stiffness):
+    """Let a spring open the hot tap."""
+    joint = model.joint("hot_tap")
+    model.jnt_stiffness[joint.id] = stiffness
+    model.qpos_spring[joint.qposadr[0]] = 2.0
 
 
 def episode(env, *, seed, steps=60):
@@ -68,17 +97,18 @@ def test_motion_is_the_same_bit_for_bit_as_in_the_batch(env, trajectories):
     for i in rows:
         infos = [env.reset(options={"arm": trajectories.plan.starts[i]})[1]]
         infos += [env.step(action)[4] for action in trajectories.plan.actions[i]]
-        assert [without_success(info) for info in infos] == [
+        assert [perceived(info) for info in infos] == [
             repr(dict(info)) for info in trajectories.infos(i)
         ]
         assert infos[-1]["is_success"] == success[i]
+        assert not any(info["discarded"] for info in infos)
 
 
 def test_motion_that_succeeds_is_rewarded(env, turning):
     env.reset(options={"arm": turning.plan.starts[0]})
     steps = [env.step(action) for action in turning.plan.actions[0]]
 
-    assert without_success(steps[-1][4]) == repr(dict(turning.infos(0)[-1]))
+    assert perceived(steps[-1][4]) == repr(dict(turning.infos(0)[-1]))
     for _, reward, terminated, truncated, info in steps:
         angle = info["joint_positions"]["hot_tap"]
         assert info["is_success"] is (angle >= 0.314)
@@ -159,7 +189,7 @@ def test_start_is_the_documented_one(env):
     assert info["is_success"] is False
 
 
-def test_info_has_nine_plain_keys(env):
+def test_info_has_ten_plain_keys(env):
     _, info = env.reset()
 
     assert list(info) == [
@@ -172,8 +202,9 @@ def test_info_has_nine_plain_keys(env):
         "gripper_contacts",
         "joint_positions",
         "is_success",
+        "discarded",
     ]
-    for key in ("is_success", "object_table_contact", "robot_table_contact"):
+    for key in ("is_success", "discarded", "object_table_contact", "robot_table_contact"):
         assert type(info[key]) is bool
 
 
@@ -201,6 +232,10 @@ def test_options_may_be_empty(env):
         ({"arm": HOME[:6]}, r"expected the option 'arm' to be 7 finite joint positions in rad"),
         ({"arm": [HOME]}, r"7 finite joint positions in rad, got \[\(0\.0, -0\.3"),
         ({1: 2}, r"expected the option 'arm' at most, got 1$"),
+        (5, r"expected options as a dictionary or None, got 5: write them"),
+        ([HOME], r"expected options as a dictionary or None, got \[\(0\.0"),
+        ((), r"expected options as a dictionary or None, got \(\): write them"),
+        ({"arm": (*HOME[:6], 10**400)}, r"7 finite joint positions in rad, got \(0\.0"),
         ({"arm": "abc"}, r"7 finite joint positions in rad, got 'abc'"),
         ({"arm": [[1], 2]}, r"7 finite joint positions in rad, got \[\[1\], 2\]"),
         ({"arm": None}, r"7 finite joint positions in rad, got None"),
@@ -230,7 +265,7 @@ def test_wrong_options_are_refused(env, options, text):
 
 def test_overlapping_starts_are_refused(env, trajectories):
     for i in np.flatnonzero(trajectories.verdicts == Verdict.OVERLAPPING)[:20]:
-        with pytest.raises(ResetError, match="robot inside the table or the object"):
+        with pytest.raises(ResetError, match="link 6 or 7 inside the table, the object or an obs"):
             env.reset(options={"arm": trajectories.plan.starts[i]})
 
 
@@ -245,6 +280,7 @@ def test_overlapping_starts_are_refused(env, trajectories):
         None,
         "abc",
         ["a"] * 8,
+        [10**400] * 8,
     ],
 )
 def test_wrong_action_is_refused(env, action):
@@ -275,14 +311,79 @@ def test_divergence_ends_the_episode_and_is_no_success(env, monkeypatch, tmp_pat
     _, reward, terminated, truncated, info = env.step(np.zeros(8))
 
     assert (reward, terminated, truncated, info["is_success"]) == (0.0, False, True, False)
-    env.reset()
+    assert info["discarded"] is True
+    assert env.step(np.zeros(8))[4]["discarded"] is True
+    assert env.reset()[1]["discarded"] is False
     assert not env.step(np.zeros(8))[3]
+
+
+@pytest.mark.parametrize("reward", ["sparse", "dense"])
+@pytest.mark.parametrize(
+    ("stiffness", "verdict"), [(10.0, Verdict.TOO_FAST), (1e12, Verdict.DIVERGED)]
+)
+def test_motion_that_only_a_solver_makes_is_no_success(
+    reward, stiffness, verdict, scene, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its log
+    env = ManipulationEnv(reward=reward)
+    open_by_a_spring(env.model, stiffness)
+    motions = simulate(replace(scene, physics=env.model), np.zeros((1, 9)), still(scene))
+    assert motions.verdicts.tolist() == [verdict]
+
+    env.reset(options={"arm": HOME})
+    steps = [env.step(action) for action in motions.plan.actions[0]]
+
+    discarded = [info["discarded"] for *_, info in steps]
+    first = discarded.index(True)
+    assert discarded == [False] * first + [True] * (75 - first)
+    assert not any(info["is_success"] for *_, info in steps[first:])
+    assert [reward for _, reward, *_ in steps[first:]] == [0.0] * (75 - first)
+    assert steps[-1][4]["is_success"] == motions.success()[0]
+    # Where it did not diverge, the expert alone would be content.
+    assert (steps[-1][4]["joint_positions"]["hot_tap"] > 0.314) == (verdict is Verdict.TOO_FAST)
+
+
+def test_model_is_the_env_s_own(env, scene):
+    def angle_at_the_end(some):
+        some.reset()
+        for action in still(scene).actions[0]:
+            info = some.step(action)[4]
+        return info["joint_positions"]["hot_tap"]
+
+    other = ManipulationEnv()
+    before = scene.model.jnt_stiffness.copy()
+    open_by_a_spring(env.model, 0.12)
+
+    assert angle_at_the_end(env) > 0.1
+    assert angle_at_the_end(other) == angle_at_the_end(ManipulationEnv()) == 0.0
+    assert (scene.model.jnt_stiffness == before).all()
+
+
+def test_env_without_gymnasium_s_time_limit_goes_on(env):
+    env.reset()
+
+    assert not any(env.step(np.zeros(8))[3] for _ in range(160))
 
 
 @pytest.mark.parametrize(("width", "height"), [(0, 480), (2000, 100), (640, 5000), (-1, 5)])
 def test_sizes_that_cannot_be_drawn_are_refused(width, height):
     with pytest.raises(LQDError, match=r"expected pictures of at most 1920 x 1440 pixels, got"):
         ManipulationEnv(width=width, height=height)
+
+
+@pytest.mark.parametrize(
+    ("width", "height"), [("a", 480), (640.5, 480), (640, None), (True, 480), ([64], [48])]
+)
+def test_sizes_that_are_no_whole_numbers_are_refused(width, height):
+    with pytest.raises(LQDError, match=r"expected width and height to be whole numbers of pixels"):
+        ManipulationEnv(width=width, height=height)
+
+
+def test_picture_before_reset_is_refused():
+    env = ManipulationEnv(render_mode="rgb_array")
+
+    with pytest.raises(LQDError, match=r"expected reset\(\) before the first render\(\): call env"):
+        env.render()
 
 
 def test_step_lasts_20_ms(env):
@@ -306,11 +407,15 @@ def test_infos_and_observations_are_one_s_own(env):
 def test_unknown_task_names_the_known_ones():
     with pytest.raises(UnknownTaskError, match=r"got 'LQD/Kettle-v0': known tasks are LQD/"):
         ManipulationEnv("LQD/Kettle-v0")
+    with pytest.raises(UnknownTaskError, match=r"got \['LQD/Push-v0'\]: known tasks are LQD/"):
+        ManipulationEnv(["LQD/Push-v0"])
 
 
 def test_unknown_render_mode_names_the_known_ones():
     with pytest.raises(LQDError, match=r"one of \['human', 'rgb_array'\] or None, got 'ansi'"):
         ManipulationEnv(render_mode="ansi")
+    with pytest.raises(LQDError, match=r"or None, got \['human'\]"):
+        ManipulationEnv(render_mode=["human"])
 
 
 def test_close_twice(env):

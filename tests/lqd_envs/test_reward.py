@@ -168,3 +168,5 @@ def test_unknown_reward_names_the_known_ones():
         get_reward("shaped")
     with pytest.raises(LQDError, match=r"^expected a reward of sparse, dense, got 'shaped'$"):
         ManipulationEnv(reward="shaped")
+    with pytest.raises(LQDError, match=r"^expected a reward of sparse, dense, got \['a'\]$"):
+        get_reward(["a"])

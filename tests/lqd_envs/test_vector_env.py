@@ -1,5 +1,7 @@
 import json
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
@@ -120,7 +122,7 @@ def test_motion_has_the_bits_of_single_envs_and_of_the_batch(motions, threads):
         for i, row in enumerate(rows):
             info = of_env(mine[-1], i)
             assert json.dumps(info) == json.dumps(singly[i][-1])
-            del info["is_success"]
+            del info["is_success"], info["discarded"]
             assert json.dumps(info) == json.dumps(trajectories.infos(row)[k])
     rewards = np.array([mine[1] for mine in moments[1:]])
     assert rewards.tobytes() == np.array([[o[1] for o in s] for s in expected[1:]]).tobytes()
@@ -234,7 +236,7 @@ def test_values_are_in_their_spaces_and_of_their_types(envs):
         assert (terminations.dtype, truncations.dtype) == (np.bool_, np.bool_)
     for key in ("object_position", "gripper_orientation"):
         assert (infos[key].dtype, infos[key].shape) == (np.float64, (3, 3))
-    for key in ("is_success", "object_table_contact", "robot_table_contact"):
+    for key in ("is_success", "discarded", "object_table_contact", "robot_table_contact"):
         assert (infos[key].dtype, infos[key].shape) == (np.bool_, (3,))
     assert infos["joint_positions"]["hot_tap"].shape == (3,)
     assert infos["gripper_contacts"]["base"].dtype == np.bool_
@@ -271,7 +273,7 @@ def test_masks_say_whom_an_info_is_for(envs):
     assert options["reset_mask"] is mask
     assert observations[[0, 2]].tobytes() == before[[0, 2]].tobytes()
     assert observations[1, :7].tolist() == list(ALTERNATIVE)
-    for key in (*COLUMNS, "is_success", "gripper_contacts", "joint_positions"):
+    for key in (*COLUMNS, "is_success", "discarded", "gripper_contacts", "joint_positions"):
         assert infos[f"_{key}"].tolist() == [False, True, False]
     for key in ("gripper_contacts", "joint_positions"):
         for name in [name for name in infos[key] if not name.startswith("_")]:
@@ -374,12 +376,14 @@ def test_divergence_is_that_of_single_envs(mode, speed, faucet, monkeypatch, tmp
     assert mine[1][1] == 0.0
     ended = mine[4]["final_info"] if mode is AutoresetMode.SAME_STEP else mine[4]
     assert of_env(ended, 1)["is_success"] is False
+    assert [of_env(ended, 1)["discarded"], mine[4]["discarded"][0]] == [True, False]
     if mode is AutoresetMode.DISABLED:
         reset_both(ours, theirs, mask=mine[3], arm=HOME)
     for action in actions[3:]:
         mine = ours.step(action)
         assert bits(mine) == bits(theirs.step(action))
         assert not mine[3].any()
+        assert not mine[4]["discarded"].any()
 
 
 def test_divergence_is_no_success(envs, monkeypatch, tmp_path):
@@ -397,6 +401,7 @@ def test_divergence_is_no_success(envs, monkeypatch, tmp_path):
     assert truncations.tolist() == [False, True, False]
     assert rewards.tolist() == [1.0, 0.0, 1.0]
     assert infos["is_success"].tolist() == [True, False, True]
+    assert infos["discarded"].tolist() == [False, True, False]
 
 
 def test_infos_and_observations_are_one_s_own(envs):
@@ -442,8 +447,16 @@ def test_works_with_recorded_statistics():
     ("options", "text"),
     [
         ({"leg": 1}, r"expected the options 'arm' and 'reset_mask' at most, got 'leg'$"),
+        (5, r"expected options as a dictionary or None, got 5: write them as"),
+        (
+            np.ones(3, bool),
+            r"options as a dictionary or None, got bool array of shape \(3,\): write",
+        ),
         ({"arm": HOME[:6]}, r"7 finite joint positions in rad, or 3 rows of them, .*got \(0\.0"),
-        ({"arm": np.zeros((2, 7))}, r"3 rows of them, one for each env, got array of shape \(2, 7"),
+        (
+            {"arm": np.zeros((2, 7))},
+            r"3 rows of them, one for each env, got float64 array of shape \(2, 7",
+        ),
         ({"arm": None}, r"one for each env, got None$"),
         ({"arm": "abc"}, r"one for each env, got 'abc'$"),
         (
@@ -456,7 +469,7 @@ def test_works_with_recorded_statistics():
         ),
         (
             {"arm": [HOME, OVERLAPPING, OVERLAPPING]},
-            r"robot inside the table or the object in envs 1, 2: start further away$",
+            r"inside an obstacle in envs 1, 2: start further away$",
         ),
         ({"reset_mask": [True, False, True]}, r"a NumPy array of 3 bools, got \[True, False, T"),
         ({"reset_mask": np.ones(3)}, r"array of 3 bools, got float64 array of shape \(3,\)$"),
@@ -486,7 +499,7 @@ def test_refused_options_leave_the_episodes_alone(envs):
 def test_overlapping_start_must_be_reset_again(envs):
     envs.reset()
     mask = np.array([False, True, False])
-    with pytest.raises(ResetError, match=r"inside the table or the object in env 1: start"):
+    with pytest.raises(ResetError, match=r"inside the table, .* an obstacle in env 1: start"):
         envs.reset(options={"arm": OVERLAPPING, "reset_mask": mask})
     with pytest.raises(LQDError, match=r"expected reset\(\) before step\(\), but env 1 did not"):
         envs.step(np.zeros((3, 8)))
@@ -499,6 +512,13 @@ def test_overlapping_start_must_be_reset_again(envs):
 def test_first_reset_is_for_all(envs):
     with pytest.raises(ResetError, match=r"not started yet, but envs 0, 2 would be left out"):
         envs.reset(options={"reset_mask": np.array([False, True, False])})
+
+
+def test_actions_that_are_no_numbers_are_named_by_their_type(envs):
+    envs.reset()
+
+    with pytest.raises(LQDError, match=r"one row for each env, got <U1 array of shape \(3, 8\)$"):
+        envs.step(np.full((3, 8), "a"))
 
 
 @pytest.mark.parametrize("actions", [np.zeros(8), np.zeros((2, 8)), np.zeros((3, 7)), None, "abc"])
@@ -523,11 +543,17 @@ def test_actions_that_are_not_finite_are_refused(envs):
     [
         ({"num_envs": 0}, r"expected num_envs to be a whole number of at least 1, got 0$"),
         ({"num_envs": 1.5}, r"expected num_envs to be a whole number of at least 1, got 1\.5$"),
+        ({"threads": -1}, r"expected threads to be a whole number of at least 0, got -1$"),
+        ({"threads": 1.5}, r"expected threads to be a whole number of at least 0, got 1\.5$"),
+        ({"threads": "2"}, r"expected threads to be a whole number of at least 0, got '2'$"),
+        ({"threads": True}, r"expected threads to be a whole number of at least 0, got True$"),
         ({"max_episode_steps": 0}, r"at least 1, or None or -1 for no limit, got 0$"),
         ({"autoreset_mode": "Never"}, r"one of NextStep, SameStep, Disabled, got 'Never'$"),
-        ({"render_mode": "human"}, r"render_mode to be 'rgb_array' or None, got 'human'$"),
+        ({"autoreset_mode": ["Never"]}, r"SameStep, Disabled, got \['Never'\]$"),
+        ({"render_mode": "human"}, r"to be one of \['rgb_array'\] or None, got 'human'$"),
         ({"reward": "none"}, r"expected a reward of sparse, dense, got 'none'$"),
         ({"width": 0}, r"expected pictures of at most 1920 x 1440 pixels, got 0 x 480$"),
+        ({"width": 640.5}, r"width and height to be whole numbers of pixels, got 640\.5 and 480$"),
     ],
 )
 def test_wrong_arguments_are_refused(arguments, text):
@@ -553,6 +579,34 @@ def test_close_twice(envs):
     envs.reset()
     envs.close()
     envs.close()
+
+
+def test_closed_envs_cannot_be_used():
+    envs = ManipulationVectorEnv(2, render_mode="rgb_array")
+    envs.reset()
+    envs.close()
+
+    for use in (envs.reset, lambda: envs.step(np.zeros((2, 8))), envs.render, lambda: envs.batch):
+        with pytest.raises(
+            LQDError, match=r"^expected open envs, got closed ones: make them anew$"
+        ):
+            use()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="counts threads as Linux lists them")
+def test_close_ends_the_threads():
+    def threads():
+        return len(list(Path("/proc/self/task").iterdir()))
+
+    before = threads()
+    envs = ManipulationVectorEnv(8, threads=4)
+    envs.reset()
+    envs.step(np.zeros((8, 8)))
+    assert threads() > before
+
+    envs.close()
+
+    assert threads() == before
 
 
 def test_pictures_are_those_of_single_envs():
