@@ -64,6 +64,6 @@ class ArchiveView:
 def _measures(grid: StoredGrid, n: int) -> NDArray[np.float64]:
     lower, upper = np.array(grid.spec.ranges).T
     measures = np.full((n, len(lower)), np.nan)
-    # A measure out of range is in a cell at the edge.
-    measures[grid.elites] = np.clip((grid.measures - lower) / (upper - lower), 0.0, 1.0)
+    # A measure out of range, perhaps far out, is in a cell at the edge.
+    measures[grid.elites] = (np.clip(grid.measures, lower, upper) - lower) / (upper - lower)
     return measures

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lqd_envs import SolutionSpace
 from lqd_search.adaptation.archive_view import ArchiveView
+from lqd_search.archives.worth import worth_of
 
 Selector: TypeAlias = Callable[[ArchiveView, int], NDArray[np.intp]]
 """Returns which rows of a view to try, the first one first: as many distinct ones as the number
@@ -40,8 +41,7 @@ def best_first(view: ArchiveView, count: int) -> NDArray[np.intp]:
         view: What may be seen of the archive.
         count: How many rows, at most.
     """
-    worth = np.where(np.isnan(view.objective), -np.inf, view.objective)
-    return np.argsort(-worth, kind="stable")[:count]
+    return np.argsort(-worth_of(view.objective), kind="stable")[:count]
 
 
 def farthest_first(view: ArchiveView, count: int) -> NDArray[np.intp]:

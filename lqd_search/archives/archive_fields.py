@@ -41,7 +41,7 @@ class ArchiveFields:
         if not self.descriptors or min(self.descriptors.values()) < 1:
             raise ArchiveError(
                 "Expected at least one descriptor, each with at least one measure, but got "
-                f"{dict(self.descriptors)}."
+                f"{dict(self.descriptors)}; name what the archive is to tell apart."
             )
         for name in self.extra:
             if name in _RESERVED or not name.isidentifier():
@@ -95,7 +95,7 @@ class ArchiveFields:
                 "pass each of them by its name."
             )
         dtypes = self.dtypes
-        rows = len(np.asarray(batch["solution"]))
+        rows = _rows_of(batch["solution"])
         columns = {
             name: _column(name, batch[name], shape=(rows, *shape), dtype=dtypes[name])
             for name, shape in shapes.items()
@@ -138,6 +138,16 @@ def row_shape(shape: Any) -> tuple[int, ...]:
     return (int(shape),) if isinstance(shape, int | np.integer) else tuple(map(int, shape))
 
 
+def _rows_of(solution: ArrayLike) -> int:
+    array = np.asarray(solution)
+    if array.ndim == 0:
+        raise ArchiveError(
+            f"Expected a column of solutions, but got the single value {array}; pass a batch, or "
+            "use add_single."
+        )
+    return len(array)
+
+
 def _column(
     name: str, column: ArrayLike, *, shape: tuple[int, ...], dtype: np.dtype[Any]
 ) -> NDArray[Any]:
@@ -145,7 +155,7 @@ def _column(
     if array.shape != shape:
         raise ArchiveError(
             f"Expected {name} to have shape {shape}, with one row per solution, but it has shape "
-            f"{array.shape}."
+            f"{array.shape}; pass a row for each."
         )
     if not np.can_cast(array.dtype, dtype, "same_kind"):
         raise ArchiveError(

@@ -153,8 +153,8 @@ class ObservationLog:
         missing = ~np.isin(evaluation, recorded)
         if missing.any():
             raise ObservationError(
-                f"Evaluation {evaluation[missing][0]} was not recorded; the log has "
-                f"{len(recorded)} evaluations."
+                f"Expected evaluations that were recorded, but {evaluation[missing][0]} is none of "
+                f"the {len(recorded)} in the log; record each batch before its measures are wanted."
             )
         return {name: np.concatenate(blocks)[rows] for name, blocks in self._measures.items()}
 

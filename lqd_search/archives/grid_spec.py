@@ -38,15 +38,18 @@ class GridSpec:
         if not self.dims or len(self.dims) != len(self.ranges):
             raise GridSpecError(
                 "Expected one number of cells and one range for each dimension, but got "
-                f"{len(self.dims)} numbers of cells and {len(self.ranges)} ranges."
+                f"{len(self.dims)} numbers of cells and {len(self.ranges)} ranges; give as many "
+                "of both."
             )
         if min(self.dims) < 1:
-            raise GridSpecError(f"Expected at least 1 cell per dimension, but got {self.dims}.")
+            raise GridSpecError(
+                f"Expected at least 1 cell per dimension, but got {self.dims}; raise what is lower."
+            )
         for lower, upper in self.ranges:
             if not (math.isfinite(upper - lower) and lower < upper):
                 raise GridSpecError(
                     f"Expected a finite lower bound below a finite upper one, but got "
-                    f"({lower}, {upper})."
+                    f"({lower}, {upper}); choose others."
                 )
 
     @property
@@ -86,7 +89,8 @@ class GridSpec:
         """
         if not {"dims", "ranges"} <= set(data):
             raise GridSpecError(
-                f"Expected a grid spec with the keys 'dims' and 'ranges', but got {sorted(data)}."
+                f"Expected a grid spec with the keys 'dims' and 'ranges', but got {sorted(data)}; "
+                "pass what to_dict returned."
             )
         return cls(
             dims=tuple(int(cells) for cells in data["dims"]),

@@ -158,7 +158,7 @@ class MultiBDArchive(ArchiveBase):
         if len(spec.dims) != self.descriptors[self._known(name)]:
             raise ArchiveError(
                 f"Expected a grid of {self.descriptors[name]} dimensions for descriptor {name!r}, "
-                f"but got one of {len(spec.dims)}."
+                f"but got one of {len(spec.dims)}; give it a range for each measure."
             )
         grids = self._grids | {
             name: SuccessGrid(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from ribs.archives import GridArchive
 from ribs.typing import BatchData, FieldDesc
 
@@ -42,6 +42,16 @@ class Insertion:
     clipped_before: int
 
 
+class _FarGridArchive(GridArchive):
+    """A `GridArchive` that finds the cell at the edge for measures however far out of range."""
+
+    def index_of(self, measures: ArrayLike) -> NDArray[np.int32]:
+        reach = _REACH_IN_RANGES * self.interval_size
+        return super().index_of(
+            np.clip(measures, self.lower_bounds - reach, self.upper_bounds + reach)
+        )
+
+
 class SuccessGrid:
     """One descriptor's grid: a pyribs `GridArchive` in which success comes first.
 
@@ -64,9 +74,6 @@ class SuccessGrid:
         self.clipped = 0
         self._solution_dim = solution_dim
         self._fields = fields
-        self._lower, self._upper = np.array(spec.ranges).T
-        reach = _REACH_IN_RANGES * (self._upper - self._lower)
-        self._nearest, self._farthest = self._lower - reach, self._upper + reach
         self._archive: GridArchive | None = None
         self._cells = CellRows(
             spec.cells,
@@ -111,9 +118,8 @@ class SuccessGrid:
             The changes, for `insert`.
         """
         offered = np.flatnonzero(~np.isnan(measures[:, 0]))
-        reachable = _rows_of(measures, offered)
-        clipped = self._clip(reachable)
-        cell = self.archive.index_of(reachable)
+        defined = _rows_of(measures, offered)
+        cell = self.archive.index_of(defined)
         candidates = Candidates(
             cell, batch["success"].take(offered), batch["objective"].take(offered)
         )
@@ -137,9 +143,9 @@ class SuccessGrid:
             value=value,
             winners=winners,
             occupied=occupied,
-            elites=CellElites(won_cell, batch.take(winners), _rows_of(reachable, won)),
+            elites=CellElites(won_cell, batch.take(winners), _rows_of(defined, won)),
             replaced=self._cells.read(won_cell[occupied]),
-            clipped=clipped,
+            clipped=int(np.count_nonzero(self.spec.out_of_range(defined))),
             clipped_before=self.clipped,
         )
 
@@ -179,21 +185,13 @@ class SuccessGrid:
         """Return what a copy needs: each elite once, and no empty cell."""
         return _restored, (self.spec, self._solution_dim, self._fields, self.elites(), self.clipped)
 
-    def _clip(self, measures: NDArray[np.float64]) -> int:
-        outside = (measures < self._lower) | (measures > self._upper)
-        if not outside.any():
-            return 0
-        rows = np.flatnonzero(outside.any(axis=1))
-        measures[rows] = np.clip(measures[rows], self._nearest, self._farthest)
-        return len(rows)
-
     def _new_archive(self) -> GridArchive:
         # GridArchive knows no success and would let a failure of higher objective evict one. Who
         # gets in is decided in `plan`; a threshold that starts below every objective and never
         # learns makes GridArchive accept whoever it is given. Ranges are learned, so nothing is
         # meant to lie exactly on a boundary, and pyribs' epsilon would shift cells narrower than
         # it: it is 0.
-        return GridArchive(
+        return _FarGridArchive(
             solution_dim=self._solution_dim,
             dims=self.spec.dims,
             ranges=self.spec.ranges,

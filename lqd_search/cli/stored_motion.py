@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs import LQDError
+from lqd_search.archives.worth import worth_of
 from lqd_search.runs.replay import Replay
 from lqd_search.runs.stored_archive import StoredArchive
 from lqd_search.runs.stored_outcomes import FITNESS, Outcomes
@@ -118,15 +119,16 @@ def best_success(archive: StoredArchive) -> int:
             f"Expected a success in the archive, but none of its {len(archive)} elites is one by "
             "the condition that steered it; choose an elite with --index, or search longer."
         )
-    # A success without a fitness, as random search puts it out, is the last that is chosen.
-    worth = np.where(np.isnan(objective), -np.inf, objective)
     candidates = np.flatnonzero(success)
-    return int(candidates[np.argmax(worth[candidates])])
+    return int(candidates[np.argmax(worth_of(objective[candidates]))])
 
 
 def _check_row(what: str, row: int, n: int) -> None:
     if row >= n:
-        raise LQDError(f"Expected an index below {n}, the number of {what}, got {row}.")
+        raise LQDError(
+            f"Expected an index below {n}, the number of {what}, got {row}; choose "
+            f"{'a lower one' if n else 'another run'}."
+        )
 
 
 def _yes(answer: bool) -> str:

@@ -5,9 +5,11 @@ import math
 from rich import box
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
-from lqd_search.evaluation.descriptor_report import DescriptorReport
+from lqd_search.runs.agreement import Agreement
 from lqd_search.runs.summary import Summary
+from lqd_search.runs.summary_notes import descriptor_notes, functional_notes
 
 
 def print_summary(summary: Summary) -> None:
@@ -19,20 +21,8 @@ def print_summary(summary: Summary) -> None:
         console.print(_grids(summary))
     if summary["refused"]:
         console.print(_refusals(summary))
-    for title, sentences in (
-        ("Stopped", summary["stopped"]),
-        ("Not used", summary["dropped"]),
-        ("Repaired", summary["repaired"]),
-        ("To know", summary["remarks"]),
-    ):
-        for sentence in sentences:
-            console.print(f"{title}: {sentence}", markup=False, highlight=False)
-    if summary["waiting_descriptors"]:
-        names = ", ".join(summary["waiting_descriptors"])
-        console.print(f"Without a grid, since too few motions defined them: {names}.")
-    if summary["grids"] or summary["waiting_descriptors"]:
-        for sentence in _report(summary).sentences():
-            console.print(sentence, markup=False, highlight=False)
+    for sentence in (*functional_notes(summary), *descriptor_notes(summary)):
+        console.print(sentence, markup=False, highlight=False)
     if summary["llm"] == "none":
         console.print("Steered by the expert; the inferred condition here is the expert's own.")
         return
@@ -43,17 +33,9 @@ def print_summary(summary: Summary) -> None:
     console.print(" ".join(sentences), markup=False, highlight=False)
 
 
-def _report(summary: Summary) -> DescriptorReport:
-    return DescriptorReport(
-        same=tuple(map(tuple, summary["same_descriptors"])),
-        degenerate=tuple(summary["degenerate_descriptors"]),
-        undefined=tuple(summary["undefined_descriptors"]),
-    )
-
-
 def _figures(summary: Summary) -> Table:
-    table = Table(title=f"{summary['task']} · {summary['method']} · seed {summary['seed']}",
-                  box=box.SIMPLE_HEAD, show_header=False)  # fmt: skip
+    title = f"{summary['task']} · {summary['method']} · seed {summary['seed']}"
+    table = Table(title=Text(title, style="table.title"), box=box.SIMPLE_HEAD, show_header=False)
     table.add_column()
     table.add_column(justify="right")
     rejected, discarded = summary["rejected"], summary["discarded"]
@@ -75,13 +57,14 @@ def _figures(summary: Summary) -> Table:
         ("refused values", sum(row["count"] for row in summary["refused"])),
     ]
     if summary["grids"]:
-        rows.append(("clipped measures", sum(grid["clipped"] for grid in summary["grids"])))
+        outside = sum(grid["clipped"] for grid in summary["grids"])
+        rows.append(("solutions out of range, over all grids", outside))
     rows.append(("seconds", round(summary["seconds"])))
     for name, value in rows:
-        table.add_row(name, f"{value:,}")
+        table.add_row(Text(name), f"{value:,}")
     for name, found in summary["exploration"].items():
         kept = " (kept)" if name == summary["chosen_fitness"] else ""
-        table.add_row(f"exploring {name}{kept}", f"{found:,}")
+        table.add_row(Text(f"exploring {name}{kept}"), f"{found:,}")
     return table
 
 
@@ -101,13 +84,10 @@ def _verdicts(summary: Summary) -> Table:
         ("distinct solutions", summary["outcomes"], ""),
     ):
         both, inferred, expert = counts["both"], counts["inferred_only"], counts["expert_only"]
-        shares = (_share(both, both + inferred), _share(both, both + expert))
+        agreement = Agreement.of(counts)
+        shares = (agreement.precision, agreement.recall)
         table.add_row(name, f"{both:,}", f"{inferred:,}", f"{expert:,}", neither, *shares)
     return table
-
-
-def _share(part: int, whole: int) -> str:
-    return f"{part / whole:.1%}" if whole else "-"
 
 
 def _grids(summary: Summary) -> Table:
@@ -120,9 +100,9 @@ def _grids(summary: Summary) -> Table:
         timestamp, _, quantity = grid["name"].partition(".")
         if quantity and timestamp != moment:
             moment = timestamp
-            table.add_row(f"[bold]{timestamp}[/bold]")
+            table.add_row(Text(timestamp, style="bold"))
         table.add_row(
-            f"  {quantity}" if quantity else timestamp,
+            Text(f"  {quantity}" if quantity else timestamp),
             f"{math.prod(grid['dims']):,}",
             f"{grid['filled']:,}",
             f"{grid['coverage']:.1%}",
@@ -138,5 +118,6 @@ def _refusals(summary: Summary) -> Table:
         table.add_column(column, overflow="fold")
     table.add_column("count", justify="right")
     for row in summary["refused"]:
-        table.add_row(row["kind"], row["functional"], row["reason"], f"{row['count']:,}")
+        texts = (row["kind"], row["functional"], row["reason"])
+        table.add_row(*map(Text, texts), f"{row['count']:,}")
     return table

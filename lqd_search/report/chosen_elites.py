@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs import GroundTruth
+from lqd_search.archives.worth import worth_of
 from lqd_search.evaluation.motion_evaluator import EXPERT, GROUND_TRUTH
-from lqd_search.report.worth import worth_of
 from lqd_search.runs.stored_archive import StoredArchive
 
 
@@ -34,7 +34,7 @@ def choose_elites(
     success = fields[EXPERT] if fields[EXPERT].any() else fields["success"]
     cells = ground_truth.cells(fields[GROUND_TRUTH])
     candidates = np.flatnonzero(success & (cells >= 0))
-    worth = worth_of(fields)
+    worth = worth_of(fields["objective"])
     order = candidates[np.lexsort((candidates, -worth[candidates], cells[candidates]))]
     filled, first = np.unique(cells[order], return_index=True)
     best = order[first]

@@ -3,9 +3,10 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from lqd_search.evaluation.descriptor_report import DescriptorReport
 from lqd_search.report.reported_run import ReportedRun
+from lqd_search.runs.agreement import Agreement
 from lqd_search.runs.summary import Confusion, Outcomes
+from lqd_search.runs.summary_notes import descriptor_notes, functional_notes
 
 
 @dataclass(frozen=True)
@@ -40,24 +41,14 @@ def figure_rows(runs: Sequence[ReportedRun]) -> tuple[TableRow, ...]:
 def notes(run: ReportedRun) -> tuple[str, ...]:
     """Return sentences about what of a run's functionals was stopped, refused or found alike."""
     summary = run.summary
-    report = DescriptorReport(
-        same=tuple(map(tuple, summary["same_descriptors"])),
-        degenerate=tuple(summary["degenerate_descriptors"]),
-        undefined=tuple(summary["undefined_descriptors"]),
-    )
-    waiting = ", ".join(summary["waiting_descriptors"])
     return (
-        *(f"Stopped: {sentence}" for sentence in summary["stopped"]),
-        *(f"Not used: {sentence}" for sentence in summary["dropped"]),
-        *(f"Repaired: {sentence}" for sentence in summary["repaired"]),
-        *(f"To know: {sentence}" for sentence in summary["remarks"]),
+        *functional_notes(summary),
         *(
             f"Refused values of {row['kind']} {row['functional']}: {row['count']:,} "
             f"({row['reason']})."
             for row in summary["refused"]
         ),
-        *((f"Without a grid, since too few motions defined them: {waiting}.",) if waiting else ()),
-        *(report.sentences() if summary["grids"] or waiting else ()),
+        *descriptor_notes(summary),
     )
 
 
@@ -109,7 +100,7 @@ def _figures(run: ReportedRun) -> dict[str, str]:
         "distinct successes of the whole run": outcomes["both"] + outcomes["expert_only"],
         "their ground-truth cells": outcomes["ground_truth_cells"],
         "refused values": sum(row["count"] for row in summary["refused"]),
-        "clipped measures": sum(grid["clipped"] for grid in summary["grids"]),
+        "solutions out of range, over all grids": sum(grid["clipped"] for grid in summary["grids"]),
     }
     return {
         **{name: f"{count:,}" for name, count in counts.items()},
@@ -121,10 +112,10 @@ def _figures(run: ReportedRun) -> dict[str, str]:
 
 
 def _agreement(counts: Confusion | Outcomes, *, of: str) -> dict[str, str]:
-    both, inferred, expert = counts["both"], counts["inferred_only"], counts["expert_only"]
+    agreement = Agreement.of(counts)
     return {
-        f"inferred condition's precision, {of}": _share(both, both + inferred),
-        f"inferred condition's recall, {of}": _share(both, both + expert),
+        f"inferred condition's precision, {of}": agreement.precision,
+        f"inferred condition's recall, {of}": agreement.recall,
     }
 
 
@@ -134,7 +125,3 @@ def _exploration(run: ReportedRun) -> dict[str, str]:
         f"found when exploring {name}": f"{found:,}{' (kept)' if name == chosen else ''}"
         for name, found in run.summary["exploration"].items()
     }
-
-
-def _share(part: int, whole: int) -> str:
-    return f"{part / whole:.1%}" if whole else "-"

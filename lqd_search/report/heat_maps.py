@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs import GroundTruth
+from lqd_search.archives.worth import worth_of
 from lqd_search.evaluation.motion_evaluator import EXPERT, GROUND_TRUTH
 from lqd_search.report.numbers import rounded
-from lqd_search.report.worth import worth_of
 from lqd_search.runs.stored_archive import StoredArchive, StoredGrid
 
 Fields: TypeAlias = Mapping[str, NDArray[Any]]
@@ -114,7 +114,7 @@ def _panel(
 ) -> Panel:
     success, expert = fields["success"][elites], fields[EXPERT][elites]
     # The best comes first at its place: a success, then the higher fitness, then the earlier.
-    order = np.lexsort((elites, -worth_of(fields)[elites], ~success, places))
+    order = np.lexsort((elites, -worth_of(fields["objective"])[elites], ~success, places))
     place, first, inverse = np.unique(places[order], return_index=True, return_inverse=True)
     best = elites[order][first]
 

@@ -21,7 +21,10 @@ def check_report_path(path: Path) -> None:
             in a folder that does not exist.
     """
     if path.suffix != ".html":
-        raise LQDError(f"Expected the name of an .html file for the report, got {path}.")
+        raise LQDError(
+            f"Expected the name of an .html file for the report, got {path}; choose one such as "
+            "report.html."
+        )
     try:
         path.lstat()
         if path.is_file() and _is_report(path):

@@ -45,13 +45,13 @@ class ReportedRun:
             LQDError: There is no finished run, a part of it is damaged, or its task is unknown.
         """
         run = RunFolder.open(folder)
-        config = run.config()
+        config, summary = run.config(), run.summary()
         return cls(
             label=label,
             task=get_task(config.task),
-            summary=run.summary(),
+            summary=summary,
             config=config,
-            metrics=read_metrics(run.metrics.path),
+            metrics=read_metrics(run.metrics.path, evaluations=summary["evaluations"]),
             archive=run.archive(),
             functionals=run.functionals(),
         )

@@ -31,7 +31,8 @@ class Metrics:
         success_archive_size: Those of them that the expert's condition approves.
         ground_truth_cells: Cells of the ground-truth grid that these fill.
         coverage: Share of cells that are filled, mean over the grids; None: the method has none.
-        clipped: Measures so far that were clipped to an edge cell of the present grids.
+        clipped: Solutions that were offered to a present grid with a measure out of its range,
+            summed over the grids.
         outcomes: Distinct successes of the whole run, by the expert's condition.
         outcome_cells: Cells of the ground-truth grid that these fill.
         seconds: Time since the run began, in s.
@@ -102,5 +103,6 @@ def measure_generation(
 
 def mean_coverage(archive: MultiBDArchive) -> float:
     """Return the share of filled cells, mean over the grids; 0 before there is one."""
-    shares = [len(grid) / grid.cells for grid in archive.grids.values()]
-    return float(sum(shares) / len(shares)) if shares else 0.0
+    filled = archive.filled
+    shares = [filled[name] / spec.cells for name, spec in archive.specs.items()]
+    return sum(shares) / len(shares) if shares else 0.0

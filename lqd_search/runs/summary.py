@@ -1,6 +1,6 @@
 """The figures of a finished run, as `lqd show` prints them."""
 
-from typing import Any, TypedDict
+from typing import TypedDict
 
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
 from lqd_search.runs.outcome_archive import OutcomeFigures
@@ -126,7 +126,7 @@ def summarize(
         "outcomes": _outcomes(outcomes),
         "exploration": dict(state.method.exploration),
         "chosen_fitness": state.method.chosen,
-        "grids": [] if archive is None else [_grid(archive, name) for name in archive.grids],
+        "grids": [] if archive is None else [_grid(archive, name) for name in archive.specs],
         "waiting_descriptors": [] if archive is None else _waiting(archive),
         "same_descriptors": [list(group) for group in report.same] if report else [],
         "degenerate_descriptors": list(report.degenerate) if report else [],
@@ -165,19 +165,19 @@ def _outcomes(figures: OutcomeFigures) -> Outcomes:
 
 
 def _waiting(archive: MultiBDArchive) -> list[str]:
-    return [name for name in archive.descriptors if name not in archive.grids]
+    return [name for name in archive.descriptors if name not in archive.specs]
 
 
 def _grid(archive: MultiBDArchive, name: str) -> GridFigures:
-    grid = archive.grids[name]
-    spec: dict[str, Any] = archive.specs[name].to_dict()
+    spec, filled = archive.specs[name], archive.filled[name]
+    shape = spec.to_dict()
     return {
         "name": name,
-        "dims": spec["dims"],
-        "ranges": spec["ranges"],
-        "filled": len(grid),
-        "successes": int(grid.data("success").sum()),
-        "coverage": len(grid) / int(grid.cells),
+        "dims": shape["dims"],
+        "ranges": shape["ranges"],
+        "filled": filled,
+        "successes": archive.successes[name],
+        "coverage": filled / spec.cells,
         "clipped": archive.clipped[name],
     }
 

@@ -26,10 +26,10 @@ class Player {
   show(run) {
     this.run = run;
     this.list.replaceChildren();
+    for (const control of [this.button, this.time, this.speed]) control.disabled = !run.rollouts.length;
     if (!run.rollouts.length) {
-      this.play(false);
+      this.clear();
       this.list.textContent = "This run has no success that could be shown.";
-      this.facts.replaceChildren();
       return;
     }
     this.buttons = run.rollouts.map((_, i) => {
@@ -42,6 +42,17 @@ class Player {
     this.list.append("Rollout", ...this.buttons);
     this.viewer.show(this.data.stages[run.task]);
     this.pick(0);
+  }
+
+  // Nothing of the run that was shown before is left.
+  clear() {
+    this.play(false);
+    this.rollout = null;
+    this.buttons = [];
+    this.facts.replaceChildren();
+    this.time.value = "0";
+    this.clock.textContent = "";
+    this.viewer.clear();
   }
 
   pick(number) {
@@ -89,7 +100,8 @@ function showFacts(place, run, rollout) {
     ...run.measures.map((name, i) => [name, String(rollout.ground_truth[i])]),
     ["Solution", rollout.solution.join(", ")],
     ["As the run saw it, bit for bit", rollout.same ? "yes" : "no; other versions may have simulated it then"],
-    ["Carry it out again", `lqd replay ${run.label} --index ${rollout.elite}`, "code"],
+    ["Carry it out again", `lqd replay DIR --index ${rollout.elite}`, "code"],
+    ["DIR", `the folder of ${run.label}`],
   ];
   place.replaceChildren(...facts.flatMap(([name, value, style]) => {
     const [term, detail] = [document.createElement("dt"), document.createElement("dd")];

@@ -60,6 +60,11 @@ class Viewer {
     });
   }
 
+  clear() {
+    this.show({ bodies: [], parts: [] });
+    this.pose([], 0);
+  }
+
   // `poses` holds seven whole numbers for each body of the scene, from `start` on.
   pose(poses, start) {
     this.matrices = new Map(this.bodies.map((body, i) => [body, poseMatrix(poses, start + 7 * i, this.step)]));

@@ -1,10 +1,12 @@
 """What a selector may see of an archive."""
 
+import dataclasses
 from dataclasses import fields
 
 import numpy as np
 
 from lqd_search.adaptation import ArchiveView
+from lqd_search.archives.grid_spec import GridSpec
 
 
 def test_it_has_no_expert_and_no_ground_truth(make_archive):
@@ -37,3 +39,12 @@ def test_rows_come_in_the_order_asked_for(make_archive, make_grid):
     assert chosen.objective.tolist() == archive.fields["objective"][[2, 0]].tolist()
     assert chosen.digest.tolist() == [2, 0]
     assert chosen.measures["h.g"].tolist() == [[0.5], [0.1]]
+
+
+def test_a_measure_far_out_of_range_is_at_the_edge(make_archive, make_grid):
+    grid = make_grid([0, 1, 2], [1e308, -1e308, 10.5])
+    narrow = dataclasses.replace(grid, spec=GridSpec(dims=(10,), ranges=((0.0, 1e-3),)))
+
+    view = ArchiveView.of(make_archive(3, grids={"h.g": narrow}))
+
+    assert view.measures["h.g"].tolist() == [[1.0], [0.0], [1.0]]

@@ -82,9 +82,9 @@ def test_the_log_refuses_what_it_cannot_place():
         log.record(np.array([3, 4]), seen([10, 30]))
     with pytest.raises(ObservationError, match=r"ascend from 4, but got \[5, 5\] first"):
         log.record(np.array([5, 5]), seen([10, 30]))
-    with pytest.raises(ObservationError, match="Evaluation 2 was not recorded; the log has 2"):
+    with pytest.raises(ObservationError, match="but 2 is none of the 2 in the log; record"):
         log.measures(np.array([1, 2]))
-    with pytest.raises(ObservationError, match="Evaluation 9 was not recorded"):
+    with pytest.raises(ObservationError, match="but 9 is none of the 2 in the log"):
         log.measures(np.array([9]))
 
 

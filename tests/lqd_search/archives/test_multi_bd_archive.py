@@ -131,6 +131,26 @@ def test_far_outliers_go_to_the_right_edge_and_are_counted():
     assert archive.grid_elites("a")["measures"][1].tolist() == [1.7]
 
 
+@pytest.mark.parametrize("solution", [1.0, np.float64(2.0), None])
+def test_a_single_value_is_no_batch(solution):
+    with pytest.raises(ArchiveError, match="Expected a column of solutions, but got the single"):
+        new_archive().add(**{**batch((0.0, False, 0.1, (0.1, 0.1))), "solution": solution})
+
+
+@pytest.mark.parametrize("copied", [lambda a: a, lambda a: pickle.loads(pickle.dumps(a))])
+def test_measures_far_out_of_range_are_stored_as_they_are(copied):
+    archive = new_archive()
+    archive.add(**batch((0.0, False, 1e30, (0.1, -1e308)), (0.0, False, -5e4, (0.9, 0.1))))
+
+    archive = copied(archive)
+
+    for elites in (archive.grid_elites("a"), archive.grids["a"].data()):
+        assert sorted(elites["measures"].ravel().tolist()) == [-5e4, 1e30]
+    assert archive.grid_elites("b")["measures"].tolist() == [[0.1, -1e308], [0.9, 0.1]]
+    assert holders(archive, "a") == {0: 1, 9: 0}
+    assert archive.grids["a"].index_of([[1e30], [-5e4]]).tolist() == [9, 0]
+
+
 def test_huge_objectives_are_no_trouble():
     archive = new_archive()
     archive.add(**batch((1e308, False, 0.05, (NAN, NAN)), (-1e308, True, 0.05, (NAN, NAN))))

@@ -72,6 +72,7 @@ def test_the_report_says_what_the_run_saw_and_what_the_replay_shows():
 
 def test_a_row_that_is_not_there_is_one_sentence():
     with pytest.raises(
-        LQDError, match=r"^Expected an index below 2, the number of elites in the archive, got 2\.$"
+        LQDError,
+        match=r"^Expected an index below 2, the number of elites in the archive, got 2; choose a",
     ):
         StoredMotion.elite(archive([0.0, 1.5], [False, True]), 2)

@@ -59,7 +59,7 @@ def test_without_grids_nothing_is_said_of_them(summary, capsys, monkeypatch):
 
     text = printed(summary | changes, capsys, monkeypatch)
 
-    for words in ("Grids", "clipped", "coverage", "a.b"):
+    for words in ("Grids", "clipped", "out of range", "coverage", "a.b"):
         assert words not in text
 
 
@@ -86,3 +86,38 @@ def test_what_the_expert_steers_is_said(summary, capsys, monkeypatch):
 
     assert "Steered by the expert" in text
     assert "recorded sample" not in text
+
+
+MARKUP = "[red]a[/red] [b.c] [/] [link=x]\\\\"
+
+
+def test_texts_are_no_markup(summary, capsys, monkeypatch):
+    refused = {"kind": f"k{MARKUP}", "functional": f"f{MARKUP}", "reason": MARKUP, "count": 1}
+    changes = {
+        "task": f"t{MARKUP}",
+        "rejected": {f"r{MARKUP}": 1},
+        "exploration": {f"e{MARKUP}": 1},
+        "chosen_fitness": f"e{MARKUP}",
+        "grids": [summary["grids"][0] | {"name": f"h{MARKUP}.g{MARKUP}"}],
+        "refused": [refused],
+        "waiting_descriptors": [f"w{MARKUP}"],
+        "dropped": [f"d{MARKUP}"],
+    }
+
+    text = printed(summary | changes, capsys, monkeypatch, columns=300)
+
+    moment, _, quantity = f"h{MARKUP}.g{MARKUP}".partition(".")
+    for letter in "tredfkw":
+        assert f"{letter}{MARKUP}" in text
+    assert f"{MARKUP} (kept)" in text
+    assert f" {moment} " in text
+    assert f"  {quantity} " in text
+
+
+def test_solutions_out_of_range_are_summed_over_the_grids(summary, capsys, monkeypatch):
+    grids = [summary["grids"][0] | {"clipped": count} for count in (30, 4)]
+
+    lines = printed(summary | {"grids": grids}, capsys, monkeypatch).splitlines()
+
+    (line,) = [line for line in lines if "solutions out of range, over all grids" in line]
+    assert line.split()[-1] == "34"

@@ -26,6 +26,16 @@ def test_precision_and_recall_are_shares_of_the_verdicts(new_run):
     assert rows["inferred condition's recall, valid motions"] == ("100.0%",)
 
 
+def test_solutions_out_of_range_are_summed_over_the_grids(new_run):
+    run = new_run()
+    grids = [run.summary["grids"][0] | {"clipped": count} for count in (1000, 34)]
+    run = replace(run, summary=run.summary | {"grids": grids})
+
+    rows = {row.name: row.cells for row in figure_rows([run])}
+
+    assert rows["solutions out of range, over all grids"] == ("1,034",)
+
+
 def test_a_setting_that_no_run_has_is_left_out(new_run):
     run = new_run()
     rows = settings_rows([replace(run, config=replace(run.config, usage_in_words=""))])

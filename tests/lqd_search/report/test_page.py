@@ -249,6 +249,54 @@ def test_a_rollout_plays_and_can_be_turned(seen):
     assert_calm(seen)
 
 
+SHOWN = """(() => {
+    const part = (name) => document.getElementById(`player-${name}`);
+    return {
+        disabled: ["play", "time", "speed"].map((name) => part(name).disabled),
+        texts: ["list", "facts", "clock"].map((name) => part(name).textContent),
+        picture: part("canvas").toDataURL(),
+    };
+})()"""
+CHOOSE = """{
+    const select = document.querySelector("#player-bar select");
+    select.value = "%d";
+    select.dispatchEvent(new Event("change"));
+}"""
+
+
+def test_of_a_run_without_rollouts_nothing_is_shown_and_nothing_plays(
+    new_run, archive, look_at, tmp_path
+):
+    nothing = {**archive.fields, **dict.fromkeys(("success", "expert"), np.zeros(24, bool))}
+    none = new_run("none", archive=StoredArchive(nothing, archive.grids))
+    write_report(tmp_path / "report.html", rendered(new_run("one"), none, rollouts=2))
+
+    with look_at(tmp_path / "report.html") as page:
+        shown = [page.run(SHOWN)]
+        for run in (1, 0):
+            # The second time the button is disabled.
+            page.run(PLAY)
+            page.run(CHOOSE % run)
+            page.run(SETTLED)
+            shown.append(page.run(SHOWN))
+        page.run("document.querySelector('#player-list button').click()")
+        assert page.run(PLAYED) == "Pause"
+        assert_calm(page)
+
+    one, none, again = shown
+    assert one["disabled"] == again["disabled"] == [False] * 3
+    assert none["disabled"] == [True] * 3
+    assert none["texts"] == ["This run has no success that could be shown.", "", ""]
+    assert none["picture"] != one["picture"]
+    assert again["texts"][:2] == one["texts"][:2]
+
+
+def test_the_command_that_carries_a_rollout_out_names_no_folder_that_is_none(seen):
+    facts = seen.run("document.getElementById('player-facts').textContent")
+
+    assert re.search(r"Carry it out againlqd replay DIR --index \d+DIRthe folder of one$", facts)
+
+
 def test_a_browser_shows_hostile_texts_as_texts(new_run, archive, look_at, tmp_path):
     grids = {f"{HOSTILE}.{HOSTILE}": archive.grids["end.place"]}
     hostile = new_run(HOSTILE, text=HOSTILE, archive=replace(archive, grids=grids))
