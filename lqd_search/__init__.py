@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from lqd_search.archives.grid_spec import GridSpec, GridSpecError, learn_grid_spec
     from lqd_search.archives.multi_bd_archive import MultiBDArchive
     from lqd_search.emitters.contact_variation import ContactVariation
-    from lqd_search.emitters.emitter import Emitter, Evaluated
+    from lqd_search.emitters.emitter import Emitter, EmitterError, Evaluated
     from lqd_search.emitters.evolution_emitter import EvolutionEmitter
     from lqd_search.emitters.mes_emitter import MESEmitter
-    from lqd_search.emitters.mixed_emitter import EmitterError, MixedEmitter, Part
+    from lqd_search.emitters.mixed_emitter import MixedEmitter, Part
     from lqd_search.emitters.random_emitter import RandomEmitter
     from lqd_search.emitters.screen import NeighbourScreen, Screen, Worth, carried_out
     from lqd_search.emitters.selection import SelectionError, select_parents
@@ -179,10 +179,10 @@ _HOMES = {
     "archives.grid_spec": ("GridSpec", "GridSpecError", "learn_grid_spec"),
     "archives.multi_bd_archive": ("MultiBDArchive",),
     "emitters.contact_variation": ("ContactVariation",),
-    "emitters.emitter": ("Emitter", "Evaluated"),
+    "emitters.emitter": ("Emitter", "EmitterError", "Evaluated"),
     "emitters.evolution_emitter": ("EvolutionEmitter",),
     "emitters.mes_emitter": ("MESEmitter",),
-    "emitters.mixed_emitter": ("EmitterError", "MixedEmitter", "Part"),
+    "emitters.mixed_emitter": ("MixedEmitter", "Part"),
     "emitters.random_emitter": ("RandomEmitter",),
     "emitters.screen": ("NeighbourScreen", "Screen", "Worth", "carried_out"),
     "emitters.selection": ("SelectionError", "select_parents"),

@@ -70,18 +70,19 @@ class BoxSpace:
         if lower.shape != upper.shape or lower.ndim != 1 or not len(lower):
             raise SpaceError(
                 "Expected lower and upper bounds of one shape (dim,), but got "
-                f"{lower.shape} and {upper.shape}."
+                f"{lower.shape} and {upper.shape}; give one of each for each number."
             )
         with np.errstate(over="ignore", invalid="ignore"):
             width = upper - lower
         if not (np.isfinite(width) & (width > 0.0)).all():
             raise SpaceError(
                 f"Expected finite lower bounds below the upper ones, but got {lower.tolist()} and "
-                f"{upper.tolist()}."
+                f"{upper.tolist()}; correct them."
             )
         if not 0.0 <= self.std < np.inf:
             raise SpaceError(
-                f"Expected a standard deviation of at least 0 for the mutation, but got {self.std}."
+                f"Expected a finite standard deviation of at least 0 for the mutation, but got "
+                f"{self.std}; choose another."
             )
         object.__setattr__(self, "lower", lower)
         object.__setattr__(self, "upper", upper)

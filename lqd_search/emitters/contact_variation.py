@@ -8,6 +8,7 @@ from ribs.typing import BatchData
 
 from lqd_envs import SolutionSpace
 from lqd_envs.solution_space import MOTION_UNIT, POSITION_UNIT
+from lqd_search.emitters.emitter import EmitterError
 from lqd_search.emitters.variation import Variation
 from lqd_search.evaluation.contact import CONTACT
 
@@ -28,6 +29,9 @@ class ContactVariation:
         otherwise: Makes the other children.
         share: Part of the children whose parent touched the object that are made so, in [0, 1].
         farthest: Greatest distance of the start from the contact, in lengths of the motion.
+
+    Raises:
+        EmitterError: The part is not in its interval, or the distance is negative or not finite.
     """
 
     space: SolutionSpace
@@ -35,10 +39,27 @@ class ContactVariation:
     share: float = 0.25
     farthest: float = 0.5
 
+    def __post_init__(self) -> None:
+        if not (0.0 <= self.share <= 1.0 and 0.0 <= self.farthest < np.inf):
+            raise EmitterError(
+                "Expected a share from 0 to 1 and a finite distance of at least 0, but got "
+                f"{self.share} and {self.farthest}; choose others."
+            )
+
     def __call__(
         self, elites: BatchData, parents: NDArray[np.intp], *, rng: np.random.Generator
     ) -> NDArray[np.float64]:
-        """Vary the parents."""
+        """Vary the parents.
+
+        Raises:
+            EmitterError: The elites have no field `contact`.
+        """
+        if CONTACT not in elites:
+            raise EmitterError(
+                f"Expected the field {CONTACT!r} among those of the elites, but there are only "
+                f"{', '.join(elites)}; store it: add {{{CONTACT!r}: ((6,), np.float64)}} to the "
+                "passive_fields of the method or the extra_fields of the archive."
+            )
         children = self.otherwise(elites, parents, rng=rng)
         contact = elites[CONTACT][parents]
         chosen = ~np.isnan(contact[:, 0]) & (rng.random(len(parents)) < self.share)

@@ -6,8 +6,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lqd_envs.errors import LQDError
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
 from lqd_search.evaluation.values import Values
+
+
+class EmitterError(LQDError):
+    """An emitter, or a part of one, that cannot work as it is given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +82,8 @@ class Emitter(Protocol):
     def tell(self, batch: Evaluated, *, archive: MultiBDArchive) -> None:
         """Learn from a batch.
 
-        The archive has taken it already, and that is not undone if this fails.
+        The archive has taken it already, and that is not undone if this fails: the scheduler then
+        refuses every further call.
 
         Args:
             batch: What was evaluated; its values have no passive columns.

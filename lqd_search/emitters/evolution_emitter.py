@@ -9,7 +9,7 @@ from ribs.emitters import EvolutionStrategyEmitter
 from ribs.typing import BatchData, Int
 
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
-from lqd_search.emitters.emitter import Evaluated
+from lqd_search.emitters.emitter import EmitterError, Evaluated
 from lqd_search.solution_space import RepairingSpace
 
 # Greater than any improvement that a fitness is likely to make, and still a number that CMA-ES can
@@ -30,9 +30,17 @@ class EvolutionEmitter:
         space: Brings solutions back.
         strategies: How many strategies share what is asked for; fewer where that is less.
         sigma0: Their first step size, in units of a solution.
+
+    Raises:
+        EmitterError: There is no strategy, or the step size is not finite and above 0.
     """
 
     def __init__(self, space: RepairingSpace, *, strategies: int = 3, sigma0: float = 0.2) -> None:
+        if strategies < 1 or not 0.0 < sigma0 < np.inf:
+            raise EmitterError(
+                "Expected at least 1 strategy and a finite first step size above 0, but got "
+                f"{strategies} and {sigma0}; choose others."
+            )
         self._space = space
         self._count = strategies
         self._sigma0 = sigma0

@@ -1,18 +1,17 @@
 """Several emitters that share each generation."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs.errors import LQDError
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
-from lqd_search.emitters.emitter import Emitter, Evaluated
+from lqd_search.emitters.emitter import Emitter, EmitterError, Evaluated
 
-
-class EmitterError(LQDError):
-    """Emitters that cannot work as they are given."""
+# Far above what a product of floats is off by, and far below a share of one solution.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ class MixedEmitter:
         if not all(share > 0.0 for share in shares) or sum(shares) >= 1.0:
             raise EmitterError(
                 "Expected shares above 0 whose sum is below 1, so that something is left to the "
-                f"main emitter, but got {shares}."
+                f"main emitter, but got {shares}; lower them."
             )
         self._main = main
         self._others = tuple(others)
@@ -55,7 +54,7 @@ class MixedEmitter:
         self, n: int, *, archive: MultiBDArchive, rng: np.random.Generator
     ) -> NDArray[np.float64]:
         """Ask each emitter for its share of n solutions, the main one first."""
-        counts = [int(part.share * n) for part in self._others]
+        counts = [math.floor(part.share * n + _ROUNDING) for part in self._others]
         self._asked = [n - sum(counts), *counts]
         return np.concatenate(
             [

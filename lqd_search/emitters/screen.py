@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from lqd_search.emitters.emitter import Evaluated
+from lqd_search.emitters.emitter import EmitterError, Evaluated
 from lqd_search.evaluation.values import Values
 
 
@@ -57,6 +57,9 @@ class NeighbourScreen:
 
     Attributes:
         candidates: As given.
+
+    Raises:
+        EmitterError: One of these numbers is too low.
     """
 
     def __init__(
@@ -67,6 +70,12 @@ class NeighbourScreen:
         memory: int = 20_000,
         worth: Worth = carried_out,
     ) -> None:
+        if min(candidates, neighbours) < 1 or memory < neighbours:
+            raise EmitterError(
+                "Expected at least 1 candidate, at least 1 neighbour and a memory of at least as "
+                f"many solutions as neighbours, but got {candidates}, {neighbours} and {memory}; "
+                "raise what is too low."
+            )
         self.candidates = candidates
         self._neighbours = neighbours
         self._memory = memory

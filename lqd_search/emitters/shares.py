@@ -7,6 +7,8 @@ from typing import Protocol
 import numpy as np
 from ribs.archives import GridArchive
 
+from lqd_search.emitters.emitter import EmitterError
+
 
 class Shares(Protocol):
     """Decides how many parents each grid selects."""
@@ -81,12 +83,22 @@ class CreditedShares:
         fading: What is left of a count after a generation, in [0, 1).
         asked: The faded number of children of each grid.
         found: The faded number of them that found something.
+
+    Raises:
+        EmitterError: A part is not in its interval.
     """
 
     even: float = 0.5
     fading: float = 0.7
     asked: dict[str, float] = field(default_factory=dict)
     found: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not (0.0 <= self.even <= 1.0 and 0.0 <= self.fading < 1.0):
+            raise EmitterError(
+                "Expected an even part from 0 to 1 and a fading from 0 to below 1, but got "
+                f"{self.even} and {self.fading}; choose others."
+            )
 
     def split(self, n: int, *, grids: Mapping[str, GridArchive]) -> dict[str, int]:
         """Share n parents by credit; as long as nothing was found, evenly."""

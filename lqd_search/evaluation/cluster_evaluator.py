@@ -59,7 +59,9 @@ class ClusterEvaluator:
         retries: int = 3,
     ) -> None:
         if chunk < 1:
-            raise ClusterError(f"Expected chunks of at least one solution, but got {chunk}.")
+            raise ClusterError(
+                f"Expected chunks of at least one solution, but got {chunk}; raise it."
+            )
         self._cluster = WorkerPool(client, patience=patience)
         self._recipe = _pickled(recipe)
         self._chunk = chunk

@@ -26,7 +26,7 @@ def concatenate_values(parts: Sequence[Values]) -> Values:
         ValuesError: There is no part, or the parts' columns differ in name, order, dtype or shape.
     """
     if not parts:
-        raise ValuesError("Expected the values of at least one chunk, but got none.")
+        raise ValuesError("Expected the values of at least one chunk, but got none; pass some.")
     return Values(
         valid=np.concatenate([part.valid for part in parts]),
         success=np.concatenate([part.success for part in parts]),

@@ -66,7 +66,7 @@ class Functionals:
             if not names or any(not name or "." in name for name in names):
                 raise FunctionalError(
                     f"Expected at least one function in {kind}, with names without dots, but got "
-                    f"the names {names}."
+                    f"the names {names}; add one, or rename it."
                 )
 
     @property
@@ -136,7 +136,7 @@ class FunctionalEvaluator:
         Raises:
             FunctionalError: A valid motion is missing, another one is there, or one has no moments.
         """
-        columns = _Columns.of(len(valid), fitness=self.fitness_names, of=self.descriptors)
+        columns = _Columns.of(len(valid), fitness=self.fitness_names, measures=self.descriptors)
         refusals = Refusals()
         judged = np.zeros(len(valid), bool)
         # A value is judged by what it is: NumPy need not warn that a division made it NaN.
@@ -145,14 +145,14 @@ class FunctionalEvaluator:
                 if not valid[i] or judged[i] or not infos:
                     raise FunctionalError(
                         f"Expected the moments of every valid motion once, but motion {i} has "
-                        "none, comes twice or is not valid."
+                        "none, comes twice or is not valid; pass each valid one once."
                     )
                 judged[i] = True
                 self._judge(i, infos, columns, refusals)
         if (judged != valid).any():
             raise FunctionalError(
                 "Expected the moments of every valid motion, but motion "
-                f"{int(np.argmax(judged != valid))} is missing."
+                f"{int(np.argmax(judged != valid))} is missing; pass it too."
             )
         return Values(
             valid=valid,
@@ -227,9 +227,9 @@ class _Columns:
     measures: dict[str, NDArray[np.float64]]
 
     @classmethod
-    def of(cls, n: int, *, fitness: Iterable[str], of: Mapping[str, int]) -> "_Columns":
+    def of(cls, n: int, *, fitness: Iterable[str], measures: Mapping[str, int]) -> "_Columns":
         return cls(
             success=np.zeros(n, bool),
             fitness={name: np.full(n, np.nan) for name in fitness},
-            measures={name: np.full((n, length), np.nan) for name, length in of.items()},
+            measures={name: np.full((n, length), np.nan) for name, length in measures.items()},
         )

@@ -144,7 +144,7 @@ class Values:
         if column.ndim != (ndim or max(column.ndim, 1)) or len(column) != length:
             raise ValuesError(
                 f"Expected {name} to have shape {shape} with N = {length}, the length of 'valid', "
-                f"but it has shape {column.shape}."
+                f"but it has shape {column.shape}; give a row for each solution."
             )
         if dtype is not None and column.dtype != dtype:
             raise ValuesError(
@@ -164,11 +164,14 @@ def check_block(name: str, measures: NDArray[np.float64]) -> None:
         ValuesError: There are no columns, or a row is infinite or NaN only in part.
     """
     if measures.shape[1] == 0:
-        raise ValuesError(f"Expected measures {name!r} to have at least one column, but got none.")
+        raise ValuesError(
+            f"Expected measures {name!r} to have at least one column, but got none; leave the "
+            "descriptor out."
+        )
     undefined = np.flatnonzero(~np.isfinite(measures).all(axis=1))
     wrong = undefined[~np.isnan(measures[undefined]).all(axis=1)]
     if len(wrong):
         raise ValuesError(
             f"Expected each row of measures {name!r} to be finite, or all NaN where it is "
-            f"undefined, but row {wrong[0]} is {measures[wrong[0]].tolist()}."
+            f"undefined, but row {wrong[0]} is {measures[wrong[0]].tolist()}; make all of it NaN."
         )

@@ -17,8 +17,8 @@ from lqd_search.evaluation.motion_evaluator import passive_fields
 from lqd_search.methods.exploration_budget import ExplorationBudget
 from lqd_search.methods.fitness_exploration import LanguageDrivenQD
 from lqd_search.methods.map_elites_success import MapElitesSuccess
-from lqd_search.methods.method import Method
-from lqd_search.methods.plus_switches import Switch, emitter_with
+from lqd_search.methods.method import Method, MethodError
+from lqd_search.methods.plus_switches import Switch, emitter_with, known_switches
 from lqd_search.methods.random_search import RandomSearch
 
 KEPT_SWITCHES: frozenset[Switch] = frozenset({Switch.SCREEN})
@@ -45,6 +45,9 @@ class Setting:
             ranges of `direct` are learned again.
         failure_competition: One of `FAILURE_COMPETITIONS`.
         switches: Those that are on in `ours_plus`.
+
+    Raises:
+        MethodError: A rule of competition or a switch has a name that is not known.
     """
 
     task: Task
@@ -55,6 +58,14 @@ class Setting:
     explored: int = 3
     failure_competition: str = "fitness"
     switches: Collection[Switch] = KEPT_SWITCHES
+
+    def __post_init__(self) -> None:
+        if self.failure_competition not in FAILURE_COMPETITIONS:
+            raise MethodError(
+                f"Expected one of {', '.join(FAILURE_COMPETITIONS)} as failure_competition, but "
+                f"got {self.failure_competition!r}; choose one of them."
+            )
+        known_switches(self.switches)
 
     def new_competition(self) -> Competition:
         """Return the rule by which a cell is won; a coin is tossed by a generator of its own.
@@ -76,11 +87,36 @@ class NamedMethod:
         build: Makes it.
         summary: What it is, in half a sentence.
         switches: Which are on.
+        smallest_batch: Fewest solutions in a generation that it can do with.
+        explores: Whether an `ExplorationBudget` shares out its evaluations, or says at least when
+            its ranges are learned again.
     """
 
     build: Callable[[Setting], Method]
     summary: str
     switches: frozenset[Switch] = frozenset()
+    smallest_batch: int = 1
+    explores: bool = False
+
+    def check_size(self, *, evaluations: int, batch_size: int) -> None:
+        """Check what can be known of a run's size before it is known what steers the run.
+
+        Args:
+            evaluations: Evaluations to spend.
+            batch_size: Solutions in a generation.
+
+        Raises:
+            MethodError: There is no evaluation, or a generation has too few solutions.
+            BudgetError: The evaluations do not suffice for trying even one fitness.
+        """
+        if evaluations < 1 or batch_size < self.smallest_batch:
+            raise MethodError(
+                f"Expected at least 1 evaluation and a batch size of at least "
+                f"{self.smallest_batch}, but got {evaluations} and {batch_size}; raise what is too "
+                "low."
+            )
+        if self.explores:
+            ExplorationBudget(evaluations, batch_size, runs=1)
 
 
 def language_driven_qd(
@@ -184,18 +220,23 @@ def _random(setting: Setting) -> RandomSearch:
 METHODS: Mapping[str, NamedMethod] = MappingProxyType(
     {
         "ours": NamedMethod(
-            language_driven_qd, "Algorithm 1: fitness exploration, then multi-BD MES"
+            language_driven_qd,
+            "Algorithm 1: fitness exploration, then multi-BD MES",
+            explores=True,
         ),
-        "direct": NamedMethod(_direct, "MES on one grid with what the model wrote all at once"),
+        "direct": NamedMethod(
+            _direct, "MES on one grid with what the model wrote all at once", explores=True
+        ),
         "handcrafted": NamedMethod(
             _handcrafted, "MES with the expert's success, fitness and ground truth"
         ),
-        "ga": NamedMethod(_ga, "a genetic algorithm on the fitness of direct"),
+        "ga": NamedMethod(_ga, "a genetic algorithm on the fitness of direct", smallest_batch=2),
         "random": NamedMethod(_random, "uniform random solutions, the floor"),
         "ours_plus": NamedMethod(
             lambda setting: ours_with(setting, switches=setting.switches),
             "ours with what pays beside it",
             KEPT_SWITCHES,
+            explores=True,
         ),
     }
 )

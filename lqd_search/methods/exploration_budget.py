@@ -34,7 +34,7 @@ class ExplorationBudget:
         if self.runs < 1 or self.batch_size < 1:
             raise BudgetError(
                 "Expected at least one fitness and a batch size of at least 1, but got "
-                f"{self.runs} and {self.batch_size}."
+                f"{self.runs} and {self.batch_size}; raise what is too low."
             )
         if self.short_generations < 2:
             remedy = (
@@ -43,14 +43,14 @@ class ExplorationBudget:
                 else "spend at least 20 evaluations"
             )
             raise BudgetError(
-                "Expected each short run to have at least two generations, but a tenth of "
-                f"{self.evaluations} evaluations makes {self.short_generations} of "
-                f"{self.batch_size}; {remedy}."
+                "Expected a tenth of the evaluations to make at least two generations, but a tenth "
+                f"of {self.evaluations} makes {self.short_generations} of {self.batch_size}; "
+                f"{remedy}."
             )
         if self.exploration >= self.evaluations:
             raise BudgetError(
-                f"Expected evaluations to be left after {self.runs} short runs with a tenth of "
-                f"{self.evaluations} evaluations each; explore at most 10 fitness functions."
+                f"Expected evaluations to be left after a tenth of {self.evaluations} for each of "
+                f"{self.runs} fitness functions, but there are none; use at most 10 of these."
             )
 
     @property

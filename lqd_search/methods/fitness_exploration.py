@@ -141,14 +141,17 @@ class LanguageDrivenQD:
     def tell(self, values: Values) -> None:
         """Take what the solutions asked for last came to.
 
-        After an error nothing has changed, and it may be called again.
+        After an error nothing has changed, and it may be called again, unless it is one of the
+        emitter's own: the archive has taken the solutions then, and another call is refused, but
+        for the first generation and that at which the exploration ends.
 
         Args:
             values: As many as were asked for, with every fitness, descriptor and passive field.
 
         Raises:
             MethodError: Nothing was asked for.
-            SchedulerError: Their number is another, or a column is missing.
+            SchedulerError: Their number is another, a column is missing, or the emitter failed on
+                them before.
             ArchiveError: A column does not fit the archive.
         """
         solutions = self._turns.asked()

@@ -77,7 +77,7 @@ class GeneticAlgorithm:
         if evaluations < 1 or batch_size < 2:
             raise MethodError(
                 "Expected at least 1 evaluation and a batch size of at least 2, but got "
-                f"{evaluations} and {batch_size}."
+                f"{evaluations} and {batch_size}; raise what is too low."
             )
         self._lower, self._upper = _bounds(lower, upper, dim=space.dim)
         self._space = space
@@ -231,6 +231,7 @@ def _bounds(
     if not (fit and (bounds[0] <= bounds[1]).all()):
         raise MethodError(
             f"Expected {dim} finite lower bounds and as many upper ones, none below its lower one, "
-            f"but got {bounds[0].tolist()} and {bounds[1].tolist()}."
+            f"but got {bounds[0].tolist()} and {bounds[1].tolist()}; "
+            "correct them."
         )
     return bounds

@@ -79,7 +79,7 @@ class MapElitesSuccess:
             raise MethodError(
                 "Expected at least 1 evaluation, 1 solution in a generation and 1 evaluation "
                 f"before ranges are learned again, but got {evaluations}, {batch_size} and "
-                f"{relearn_at}."
+                f"{relearn_at}; raise what is too low."
             )
         if grids and (relearn_at is not None or not set(grids) <= set(descriptors)):
             raise MethodError(
@@ -148,14 +148,17 @@ class MapElitesSuccess:
     def tell(self, values: Values) -> None:
         """Take what the solutions asked for last came to.
 
-        After an error nothing has changed, and it may be called again.
+        After an error nothing has changed, and it may be called again, unless it is one of the
+        emitter's own: the archive has taken the solutions then, and another call is refused, but
+        for that at which the ranges are learned again.
 
         Args:
             values: As many as were asked for, with the fitness, every descriptor and passive field.
 
         Raises:
             MethodError: Nothing was asked for.
-            SchedulerError: Their number is another, or a column is missing.
+            SchedulerError: Their number is another, a column is missing, or the emitter failed on
+                them before.
             ArchiveError: A column does not fit the archive.
         """
         asked = self._turns.asked()

@@ -14,6 +14,7 @@ from lqd_search.emitters.screen import NeighbourScreen
 from lqd_search.emitters.shares import CreditedShares, EvenShares, ManyCellShares, Shares
 from lqd_search.emitters.variation import Mutation, SuccessLine, Variation
 from lqd_search.evaluation.contact import touched
+from lqd_search.methods.method import MethodError
 
 _FINE = SolutionSpace(position_std=0.05, orientation_std=0.1, motion_std=0.05)
 _RANDOM_SHARE = 0.05
@@ -39,6 +40,25 @@ class Switch(StrEnum):
     """Grids with a single cell get no parents: `ManyCellShares`."""
 
 
+def known_switches(switches: Collection[Switch]) -> frozenset[Switch]:
+    """Return switches that were given by their names, perhaps, as what they are.
+
+    Args:
+        switches: Switches, or their names.
+
+    Raises:
+        MethodError: One has a name that is not known.
+    """
+    known = list(Switch)
+    unknown = [switch for switch in switches if switch not in known]
+    if unknown:
+        raise MethodError(
+            f"Expected switches among {', '.join(known)}, but got "
+            f"{', '.join(map(repr, unknown))}; choose from these."
+        )
+    return frozenset(map(Switch, switches))
+
+
 def emitter_with(switches: Collection[Switch], *, space: SolutionSpace) -> Emitter:
     """Make the emitter of a search with some of the switches on.
 
@@ -49,7 +69,11 @@ def emitter_with(switches: Collection[Switch], *, space: SolutionSpace) -> Emitt
     Returns:
         An emitter that has seen nothing yet. With `SCREEN` it must be told values with the column
         `contact`; with `CONTACT` the archive must store it.
+
+    Raises:
+        MethodError: A switch has a name that is not known.
     """
+    switches = known_switches(switches)
     main = MESEmitter(
         space,
         shares=_shares(switches),

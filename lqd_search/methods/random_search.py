@@ -28,8 +28,8 @@ class RandomSearch:
         passive_fields: Passive columns to put out, in pyribs' form.
 
     Raises:
-        MethodError: There is no evaluation, a batch has fewer than two solutions, or a passive
-            field has a name that is taken.
+        MethodError: There is no evaluation, a batch has no solution, or a passive field has a name
+            that is taken.
     """
 
     def __init__(
@@ -42,10 +42,10 @@ class RandomSearch:
         rng: np.random.Generator,
         passive_fields: FieldDesc | None = None,
     ) -> None:
-        if evaluations < 1 or batch_size < 2:
+        if evaluations < 1 or batch_size < 1:
             raise MethodError(
-                "Expected at least 1 evaluation and a batch size of at least 2, but got "
-                f"{evaluations} and {batch_size}."
+                "Expected at least 1 evaluation and a batch size of at least 1, but got "
+                f"{evaluations} and {batch_size}; raise what is too low."
             )
         self._space = space
         self._turns = Turns(evaluations, batch_size)

@@ -136,7 +136,7 @@ def _check_name(kind: str, name: str, there: Mapping[str, Any]) -> None:
     if name not in there:
         raise MethodError(
             f"Expected the {kind} {name!r} among the values, but there are only "
-            f"{', '.join(there) or 'none'}."
+            f"{', '.join(there) or 'none'}; let the evaluation give it too."
         )
 
 

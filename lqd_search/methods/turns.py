@@ -39,7 +39,11 @@ class Turns:
             MethodError: The generation before has not been told yet, or all is done.
         """
         if self._asked is not None or self.done:
-            why = "all evaluations are spent" if self.done else "the last ones were not told yet"
+            why = (
+                "all evaluations are spent; begin another search"
+                if self.done
+                else "the last ones were not told yet; tell what they came to"
+            )
             raise MethodError(f"Expected no further call of ask, since {why}.")
         return min(self.batch_size, self.total - self.evaluations)
 
@@ -59,7 +63,7 @@ class Turns:
             MethodError: Nothing was asked for.
         """
         if self._asked is None:
-            raise MethodError("Expected a call of ask before tell.")
+            raise MethodError("Expected a call of ask before tell; ask, evaluate, then tell.")
         return self._asked
 
     def tell(self) -> None:

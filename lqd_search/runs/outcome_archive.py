@@ -182,7 +182,8 @@ class OutcomeArchive:
 def _check(solutions: NDArray[np.float64], values: Values) -> None:
     if len(solutions) != len(values):
         raise OutcomeError(
-            f"Expected the values of {len(solutions)} solutions, but got {len(values)}."
+            f"Expected the values of {len(solutions)} solutions, but got {len(values)}; pass one "
+            "for each."
         )
     for name in (EXPERT, GROUND_TRUTH, DIGEST):
         if name not in values.passive:

@@ -27,7 +27,8 @@ class MultiBDScheduler:
     One run of multi-BD MAP-Elites Success with one fitness. A descriptor whose range is not known
     yet has no grid; its solutions are kept aside, and are offered to it, before the batch that
     made its range known, as soon as it is. The emitter is not shown the passive columns of the
-    values. An error in `tell` leaves all as it was before, unless it is one of the emitter's own.
+    values. An error in `tell` or `inject` leaves all as it was before, unless it is one of the
+    emitter's own: the archive has taken the batch then, and every further call is refused.
 
     Args:
         archive: Where the solutions go; it stores the extra field `evaluation`, and any other
@@ -49,6 +50,9 @@ class MultiBDScheduler:
         SchedulerError: The archive has no field `evaluation`, or other descriptors than `ranges`.
     """
 
+    # For a scheduler of a checkpoint that was written before there was this attribute.
+    _failed = False
+
     def __init__(
         self,
         archive: MultiBDArchive,
@@ -68,7 +72,7 @@ class MultiBDScheduler:
         if list(archive.descriptors.items()) != list(ranges.descriptors.items()):
             raise SchedulerError(
                 f"Expected ranges of the archive's descriptors, {dict(archive.descriptors)}, but "
-                f"got those of {dict(ranges.descriptors)}."
+                f"got those of {dict(ranges.descriptors)}; pass the same to both."
             )
         self.archive = archive
         self.ranges = ranges
@@ -79,6 +83,7 @@ class MultiBDScheduler:
         self._emitter: Emitter = MESEmitter(space) if emitter is None else emitter
         self._asked: int | None = None
         self._emitted = False
+        self._failed = False
         self._aside: dict[str, BatchData] = {}
         for name, spec in ranges.specs.items():
             if archive.specs.get(name) != spec:
@@ -102,14 +107,20 @@ class MultiBDScheduler:
             (n, dim) float64.
 
         Raises:
-            SchedulerError: The generation before has not been told yet.
+            SchedulerError: The generation before has not been told yet, the emitter failed on it,
+                or n is negative.
         """
+        self._refuse_after_failure()
         if self._asked is not None:
             raise SchedulerError(
                 f"Expected the values of the {self._asked} solutions asked for last, but was asked "
                 "for more; call tell first."
             )
         size = self._batch_size if n is None else n
+        if size < 0:
+            raise SchedulerError(
+                f"Expected to be asked for 0 or more solutions, but got {size}; ask for more."
+            )
         if self.archive.empty:
             solutions = self._space.sample(size, rng=self._rng)
         else:
@@ -131,11 +142,13 @@ class MultiBDScheduler:
                 solutions.
             ArchiveError: As from `inject`.
         """
+        self._refuse_after_failure()
         if self._asked is None:
             raise SchedulerError("Expected a call of ask before tell; to tell more, use inject.")
         if len(solutions) != self._asked:
             raise SchedulerError(
-                f"Expected the {self._asked} solutions asked for, but got {len(solutions)}."
+                f"Expected the {self._asked} solutions asked for, but got {len(solutions)}; tell "
+                "all of them at once, in their order."
             )
         self._take(solutions, values, evaluation=np.asarray(evaluation), asked=self._emitted)
         self._asked, self._emitted = None, False
@@ -155,9 +168,11 @@ class MultiBDScheduler:
             evaluation: Their (N,) ids, or the first of N successive ones.
 
         Raises:
-            SchedulerError: Another number of values than of solutions, or a column is missing.
+            SchedulerError: Another number of values than of solutions, a column is missing, or the
+                emitter failed on what was told before.
             ArchiveError: A column does not fit the archive.
         """
+        self._refuse_after_failure()
         self._take(solutions, values, evaluation=np.asarray(evaluation), asked=False)
 
     def relearn_ranges(self, log: ObservationLog) -> None:
@@ -207,7 +222,17 @@ class MultiBDScheduler:
             value=value,
             asked=asked,
         )
+        # The archive has taken the batch, and what a failing emitter has learned is not known.
+        self._failed = True
         self._emitter.tell(told, archive=self.archive)
+        self._failed = False
+
+    def _refuse_after_failure(self) -> None:
+        if self._failed:
+            raise SchedulerError(
+                "Expected no further call, since the emitter failed on the last solutions, which "
+                "the archive had taken already; go on from a checkpoint or a copy made before."
+            )
 
     def _offer(self, batch: BatchData, ranges: DescriptorRanges) -> BatchData:
         learned = [name for name in self.ranges.waiting if name in ranges.specs]
@@ -231,7 +256,8 @@ class MultiBDScheduler:
     ) -> tuple[NDArray[np.intp], BatchData]:
         if len(values) != len(solutions):
             raise SchedulerError(
-                f"Expected the values of {len(solutions)} solutions, but got {len(values)}."
+                f"Expected the values of {len(solutions)} solutions, but got {len(values)}; pass "
+                "one for each."
             )
         passive = [name for name in self.archive.fields.extra if name != "evaluation"]
         stored = {**values.passive, **values.perceived}
@@ -243,7 +269,7 @@ class MultiBDScheduler:
         if evaluation.shape != (len(solutions),):
             raise SchedulerError(
                 f"Expected one evaluation id, or {len(solutions)} of them, but got shape "
-                f"{evaluation.shape}."
+                f"{evaluation.shape}; pass the first one's alone, or one for each."
             )
         objective = values.fitness[self.fitness]
         rows = np.flatnonzero(values.valid & np.isfinite(objective))
@@ -271,7 +297,7 @@ class MultiBDScheduler:
             if measures[name].shape[1] != length:
                 raise SchedulerError(
                     f"Expected {length} measures of descriptor {name!r}, but got "
-                    f"{measures[name].shape[1]}."
+                    f"{measures[name].shape[1]}; measure as many as the archive was made for."
                 )
         return np.concatenate([measures[name] for name in self.archive.descriptors], axis=1)
 
@@ -285,5 +311,5 @@ def _check_names(kind: str, wanted: Iterable[str], there: Mapping[str, Any]) -> 
         if name not in there:
             raise SchedulerError(
                 f"Expected the {kind} {name!r} among the values, but there are only "
-                f"{', '.join(there) or 'none'}."
+                f"{', '.join(there) or 'none'}; let the evaluation give it too."
             )

@@ -1,6 +1,8 @@
 import ast
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -78,3 +80,11 @@ main()
 
     assert result.returncode == 130
     assert result.stderr.strip() == "lqd: stopped"
+
+
+def test_numpy_is_new_enough_to_be_told_to_write_no_pickles():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text("utf-8"))
+    (numpy,) = [line for line in project["project"]["dependencies"] if line.startswith("numpy")]
+
+    # Older ones take `allow_pickle` of np.savez for the name of one more column.
+    assert tuple(map(int, re.fullmatch(r"numpy>=(\d+)\.(\d+)", numpy).groups())) >= (2, 2)

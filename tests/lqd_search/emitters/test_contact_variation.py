@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from lqd_envs import SolutionSpace
+from lqd_search import EmitterError
 from lqd_search.emitters.contact_variation import ContactVariation
 from lqd_search.emitters.variation import Mutation
 
@@ -66,3 +67,22 @@ def test_children_are_feasible_and_the_same_each_time(n):
     assert children.shape == (n, 9)
     assert SPACE.feasible(children).all()
     assert np.array_equal(vary(variation, elites, n)[1], children)
+
+
+@pytest.mark.parametrize(
+    "options", [{"share": -0.1}, {"share": 1.1}, {"share": np.nan}, {"farthest": -1.0}]
+)
+def test_parts_outside_their_interval_are_refused(options):
+    with pytest.raises(EmitterError, match="Expected a share from 0 to 1 and a finite distance"):
+        ContactVariation(SPACE, otherwise=Mutation(SPACE), **options)
+
+
+def test_an_archive_without_contacts_is_refused():
+    elites = {"solution": SPACE.sample(3, rng=np.random.default_rng(0)), "success": np.ones(3)}
+
+    with pytest.raises(
+        EmitterError,
+        match=r"^Expected the field 'contact' among those of the elites, but there are only "
+        r"solution, success; store it: add \{'contact': \(\(6,\), np\.float64\)\} to the pass",
+    ):
+        vary(ContactVariation(SPACE, otherwise=Mutation(SPACE)), elites, 3)

@@ -4,7 +4,7 @@ import pickle
 import numpy as np
 import pytest
 
-from lqd_search import GridSpec, MultiBDArchive
+from lqd_search import EmitterError, GridSpec, MultiBDArchive
 from lqd_search.emitters.evolution_emitter import EvolutionEmitter
 from lqd_search.solution_space import BoxSpace
 
@@ -208,3 +208,9 @@ def test_a_copy_holds_no_solutions_of_the_archive(start, batch_of):
     solutions = search.ask(9)
     search.emitter.tell(batch_of(solutions, status=np.zeros(9)), archive=big)
     assert len(pickle.dumps(search.emitter)) < before + 1000
+
+
+@pytest.mark.parametrize("options", [{"strategies": 0}, {"sigma0": 0.0}, {"sigma0": np.inf}])
+def test_what_makes_no_strategy_is_refused(options):
+    with pytest.raises(EmitterError, match="at least 1 strategy and a finite first step size"):
+        EvolutionEmitter(BOX, **options)

@@ -94,3 +94,14 @@ def test_mixed_emitters_can_be_mixed_and_pickled(batch_of):
 def test_something_must_be_left_to_the_main_emitter(shares):
     with pytest.raises(EmitterError, match=r"shares above 0 whose sum is below 1.*but got \["):
         mixed(*shares)
+
+
+def test_a_share_that_is_whole_but_for_its_rounding_is_whole():
+    _, emitter = mixed(0.29)
+    assert ask(emitter, 100)[:, 0].sum() == 29
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2])
+def test_the_shares_of_ours_plus_are_what_they_were(share):
+    n = np.arange(200_000)
+    assert np.array_equal(np.floor(share * n + 1e-9), (share * n).astype(int))

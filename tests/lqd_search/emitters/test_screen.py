@@ -3,7 +3,7 @@ import pickle
 import numpy as np
 import pytest
 
-from lqd_search import ValuesError
+from lqd_search import EmitterError, ValuesError
 from lqd_search.emitters.screen import NeighbourScreen, carried_out
 from lqd_search.evaluation.contact import touched
 
@@ -88,3 +88,22 @@ def test_what_is_worth_an_evaluation(batch_of):
 def test_without_contacts_nobody_knows_who_touched_the_object(batch_of):
     with pytest.raises(ValuesError, match=r"column 'contact' among the values.* only none; eval"):
         NeighbourScreen(worth=touched).tell(batch_of(np.zeros((2, 1))))
+
+
+@pytest.mark.parametrize(
+    ("options", "shown"),
+    [
+        ({"candidates": 0}, "0, 3 and 20000"),
+        ({"neighbours": 0}, "3, 0 and 20000"),
+        ({"memory": 0}, "3, 3 and 0"),
+        ({"neighbours": 9, "memory": 8}, "3, 9 and 8"),
+    ],
+)
+def test_numbers_that_are_too_low_are_refused(options, shown):
+    with pytest.raises(EmitterError, match=f"^Expected at least 1 candidate, .* but got {shown};"):
+        NeighbourScreen(**options)
+
+
+def test_a_memory_of_as_many_as_have_a_say_will_do(batch_of):
+    screen = screen_that_saw(batch_of, [0, 1, 2], worth=[1, 1, 0], neighbours=2, memory=2)
+    assert choose(screen, [0]) == [0.0]

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from lqd_search import EmitterError
 from lqd_search.emitters.shares import CreditedShares, EvenShares, ManyCellShares
 
 
@@ -103,3 +104,11 @@ def test_all_or_nothing_may_be_even(share):
     shares.tell(asked={"g0": 4, "g1": 4}, found={"g0": 4, "g1": 0})
     split = shares.split(6, grids=grids(9, 9))
     assert split == ({"g0": 3, "g1": 3} if share else {"g0": 6})
+
+
+@pytest.mark.parametrize(
+    "options", [{"even": -0.1}, {"even": 1.1}, {"even": np.nan}, {"fading": -0.1}, {"fading": 1.0}]
+)
+def test_parts_outside_their_interval_are_refused(options):
+    with pytest.raises(EmitterError, match="Expected an even part from 0 to 1 and a fading from 0"):
+        CreditedShares(**options)

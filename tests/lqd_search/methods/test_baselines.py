@@ -200,7 +200,19 @@ def test_a_solution_without_fitness_is_put_out_without_an_objective(kind, toy):
 def test_what_makes_no_sense_is_refused(kind, toy):
     with pytest.raises(MethodError, match=r"at least 1 evaluation .* but got 0 and 32"):
         new_method(kind, toy, evaluations=0)
-    with pytest.raises(MethodError, match="a batch size of at least 2, but got 100 and 1"):
-        new_method(kind, toy, batch_size=1)
+    fewest = 2 if kind is GeneticAlgorithm else 1
+    with pytest.raises(
+        MethodError,
+        match=f"batch size of at least {fewest}, but got 100 and {fewest - 1}; raise what",
+    ):
+        new_method(kind, toy, batch_size=fewest - 1)
     with pytest.raises(MethodError, match="but got 'evaluation'; rename it"):
         new_method(kind, toy, passive_fields={"evaluation": ((), np.int64)})
+
+
+@pytest.mark.parametrize("evaluations", [1, 2, 5])
+def test_the_smallest_batches_will_do(kind, toy, evaluations):
+    batch_size = 2 if kind is GeneticAlgorithm else 1
+    method = new_method(kind, toy, evaluations=evaluations, batch_size=batch_size)
+    asked = np.concatenate(finish(method, toy))
+    assert len(np.unique(asked, axis=0)) == len(asked) == evaluations

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from lqd_envs import PAPER_TASKS, SolutionSpace, get_task
-from lqd_search import METHODS, ExpertJudge, Setting, Values, compete_by_fitness
+from lqd_envs.errors import LQDError
+from lqd_search import METHODS, ExpertJudge, MethodError, Setting, Values, compete_by_fitness
 from lqd_search.evaluation.contact import CONTACT
 from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
 from lqd_search.methods.by_name import FAILURE_COMPETITIONS, KEPT_SWITCHES, repair_motions
@@ -122,3 +123,56 @@ def test_switches_are_known():
 def test_motions_are_repaired_as_by_their_space():
     wild = np.random.default_rng(0).normal(0.0, 3.0, (50, 9))
     assert repair_motions(wild).tobytes() == SolutionSpace().repair(wild).tobytes()
+
+
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize(
+    ("evaluations", "batch_size"), [(0, 2), (5, 0), (5, 1), (5, 2), (19, 1), (20, 1), (39, 2)]
+)
+def test_what_is_refused_before_anything_is_inferred_is_what_cannot_be_made(
+    name, evaluations, batch_size
+):
+    def refusal(attempt):
+        try:
+            attempt()
+        except LQDError as error:
+            return type(error)
+
+    size = {"evaluations": evaluations, "batch_size": batch_size}
+    early = refusal(lambda: METHODS[name].check_size(**size))
+    late = refusal(lambda: METHODS[name].build(setting(name, **size)))
+    assert (early is None) == (late is None)
+
+
+def test_where_nothing_is_explored_the_refusal_does_not_speak_of_it():
+    for attempt in (
+        lambda: METHODS["direct"].check_size(evaluations=100, batch_size=32),
+        lambda: METHODS["direct"].build(setting("direct", evaluations=100)),
+    ):
+        with pytest.raises(
+            LQDError,
+            match=r"^Expected a tenth of the evaluations to make at least two generations, but a "
+            r"tenth of 100 makes 0 of 32; use a batch size of at most 5\.$",
+        ):
+            attempt()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"failure_competition": "coins"}, "Expected one of fitness, coin .*, but got 'coins'"),
+        ({"switches": {"screens"}}, "Expected switches among line, random, .* got 'screens'; ch"),
+        ({"switches": ["line", "lines", 3]}, "but got 'lines', 3; choose from these"),
+    ],
+)
+def test_misspelt_names_are_refused(changes, message):
+    with pytest.raises(MethodError, match=message):
+        setting("ours_plus", **changes)
+
+
+def test_a_switch_may_be_given_by_its_name():
+    asked = [
+        METHODS["ours_plus"].build(setting("ours_plus", switches=switches)).ask().tobytes()
+        for switches in ({"screen"}, {Switch.SCREEN})
+    ]
+    assert asked[0] == asked[1]

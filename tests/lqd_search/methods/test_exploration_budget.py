@@ -37,7 +37,7 @@ def test_the_short_runs_come_one_after_the_other():
         (0, 1, 3, "makes 0 of 1; spend at least 20 evaluations"),
         (1_000, 50, 0, "at least one fitness and a batch size of at least 1, but got 0 and 50"),
         (1_000, 0, 3, "at least one fitness and a batch size of at least 1, but got 3 and 0"),
-        (1_000, 10, 11, "after 11 short runs .*; explore at most 10 fitness functions"),
+        (1_000, 10, 11, "after a tenth of 1000 for each of 11 fitness .*; use at most 10 of these"),
     ],
 )
 def test_a_budget_that_does_not_suffice_says_what_would(evaluations, batch_size, runs, message):

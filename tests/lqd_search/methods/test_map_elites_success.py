@@ -334,3 +334,39 @@ def test_a_small_run_comes_out_as_ever(toy):
     # Rounded, so that it is the same everywhere.
     asked = np.round(np.concatenate(finish(method, toy)) * 1e6).astype("<i8")
     assert hashlib.sha256(asked.tobytes()).hexdigest()[:16] == "298321daf5a29f8e"
+
+
+class Failing:
+    """An emitter that cannot learn from what it is asked for."""
+
+    def ask(self, n, *, archive, rng):
+        return archive.sample_elites(n)["solution"] * rng.uniform(0.9, 1.0)
+
+    def tell(self, batch, *, archive):  # noqa: ARG002 -- the protocol's
+        if batch.asked:
+            raise OSError("out of ideas")
+
+
+def test_what_an_emitter_failed_on_is_not_told_again(toy):
+    method = new_method(toy, emitter=Failing())
+    step(method, toy)
+    values = toy.evaluate(method.ask())
+    with pytest.raises(OSError, match="out of ideas"):
+        method.tell(values)
+    held = state(method)
+    with pytest.raises(SchedulerError, match="since the emitter failed"):
+        method.tell(values)
+    with pytest.raises(MethodError, match="not told yet"):
+        method.ask()
+    assert state(method) == held
+
+
+def test_where_ranges_are_learned_again_even_an_emitter_s_error_changes_nothing(toy):
+    method = new_method(toy, emitter=Failing(), relearn_at=64)
+    step(method, toy)
+    values = toy.evaluate(method.ask())
+    before = state(method)
+    for _ in range(2):
+        with pytest.raises(OSError, match="out of ideas"):
+            method.tell(values)
+        assert state(method) == before

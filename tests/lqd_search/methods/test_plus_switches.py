@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lqd_envs import SolutionSpace
-from lqd_search import LanguageDrivenQD, Values
+from lqd_search import LanguageDrivenQD, MethodError, Values
 from lqd_search.methods.plus_switches import Switch, emitter_with
 
 SPACE = SolutionSpace()
@@ -141,3 +141,10 @@ def test_a_small_run_with_all_switches_comes_out_as_ever():
     asked = np.concatenate(finish(new_method(switches, seed=7)))
     rounded = np.round(asked * 1e6).astype("<i8")
     assert hashlib.sha256(rounded.tobytes()).hexdigest()[:16] == "3b382a8c5c499d30"
+
+
+def test_a_misspelt_switch_is_refused():
+    with pytest.raises(
+        MethodError, match=r"among line, random, credit, screen, .* but got 'lime';"
+    ):
+        emitter_with({"lime"}, space=SPACE)

@@ -1,3 +1,4 @@
+import copy
 import dataclasses
 
 import numpy as np
@@ -295,7 +296,10 @@ def test_relearning_needs_every_elite_in_the_log(toy):
     scheduler = new_scheduler(toy)
     run(scheduler, toy, 1)
     before = state(scheduler)
-    with pytest.raises(ObservationError, match="was not recorded; the log has 0"):
+    with pytest.raises(
+        ObservationError,
+        match=r"Expected evaluations that were recorded, but \d+ is none of the 0 in",
+    ):
         scheduler.relearn_ranges(ObservationLog(toy.descriptors))
     assert state(scheduler) == before
 
@@ -356,7 +360,7 @@ def test_wrong_lengths_change_nothing(toy):
     before = state(scheduler)
     solutions = scheduler.ask()
     values = toy.evaluate(solutions)
-    with pytest.raises(SchedulerError, match="the 32 solutions asked for, but got 31"):
+    with pytest.raises(SchedulerError, match="the 32 solutions asked for, but got 31; tell all"):
         scheduler.tell(solutions[1:], values, evaluation=32)
     with pytest.raises(SchedulerError, match="values of 32 solutions, but got 31"):
         scheduler.tell(solutions, toy.evaluate(solutions[1:]), evaluation=32)
@@ -627,3 +631,47 @@ def test_no_emitter_sees_the_passive_columns_of_the_values(toy):
     emitter = Noting(3)
     run(new_scheduler(toy, emitter=emitter), toy, 2)
     assert [batch.values.passive for batch, _ in emitter.told] == [{}, {}]
+
+
+class Failing(Noting):
+    """An emitter that cannot learn from what it is asked for."""
+
+    def tell(self, batch, *, archive):
+        super().tell(batch, archive=archive)
+        if batch.asked:
+            raise OSError("out of ideas")
+
+
+@pytest.mark.parametrize("copied", [lambda scheduler: scheduler, copy.deepcopy])
+def test_after_an_emitter_failed_every_call_is_refused(toy, copied):
+    scheduler = new_scheduler(toy, emitter=Failing(3))
+    run(scheduler, toy, 1)
+    solutions = scheduler.ask()
+    values = toy.evaluate(solutions)
+    with pytest.raises(OSError, match="out of ideas"):
+        scheduler.tell(solutions, values, evaluation=BATCH)
+    scheduler = copied(scheduler)
+    before = state(scheduler)
+    for call in (
+        lambda: scheduler.tell(solutions, values, evaluation=BATCH),
+        lambda: scheduler.inject(solutions, values, evaluation=BATCH),
+        scheduler.ask,
+    ):
+        with pytest.raises(SchedulerError, match=r"since the emitter failed on the last .* go on"):
+            call()
+    assert state(scheduler) == before
+
+
+def test_a_scheduler_that_was_kept_before_failures_were_noted_goes_on(toy):
+    scheduler = new_scheduler(toy)
+    run(scheduler, toy, 1)
+    del scheduler.__dict__["_failed"]
+    run(scheduler, toy, 1, first=BATCH)
+    assert not scheduler.empty
+
+
+def test_fewer_than_no_solutions_cannot_be_asked_for(toy):
+    scheduler = new_scheduler(toy)
+    with pytest.raises(SchedulerError, match="asked for 0 or more solutions, but got -3; ask for"):
+        scheduler.ask(-3)
+    assert scheduler.ask(0).shape == (0, 3)
