@@ -62,7 +62,7 @@ def read_run(folder: Path, *, cell: Cell, steering: str, machine: str, commit: s
         outcome_cells=outcomes["ground_truth_cells"],
         outcomes_outside=outcomes["ground_truth_outside"],
         chosen_fitness=summary["chosen_fitness"],
-        curve=read_curve(run.metrics.path),
+        curve=read_curve(run.metrics.path, evaluations=summary["evaluations"]),
         seconds=summary["seconds"],
         model=summary["model"],
         provenance=summary["provenance"],
@@ -72,14 +72,18 @@ def read_run(folder: Path, *, cell: Cell, steering: str, machine: str, commit: s
     )
 
 
-def read_curve(path: Path) -> Curve:
+def read_curve(path: Path, *, evaluations: int) -> Curve:
     """Return the curve that stands in a `metrics.csv`.
+
+    Args:
+        path: The file.
+        evaluations: Evaluations of the run, with which it must end.
 
     Raises:
         CellError: It is missing, or is not one.
     """
     try:
-        rows = read_metrics(path)
+        rows = read_metrics(path, evaluations=evaluations)
     except RunFolderError as error:
         raise CellError(
             f"Expected a row for each generation in {path}, but it cannot be read "

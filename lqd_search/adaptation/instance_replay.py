@@ -22,8 +22,8 @@ def replay_in(
         render_mode: `"rgb_array"` to collect frames, `"human"` to watch, or None.
 
     Returns:
-        What it showed; `success` says whether the instance was solved, the env's word at the end,
-        or False where the motion failed in the batch rollout, which alone looks at that.
+        What it showed; `success` says whether the instance was solved: the env's word at the end,
+        or False where the motion failed in the batch rollout.
 
     Raises:
         ReplayError: The solution is rejected before it could be simulated.

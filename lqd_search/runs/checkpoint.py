@@ -103,8 +103,8 @@ def _body(path: Path, content: memoryview) -> memoryview:
     if int(version[1]) != CHECKPOINT_FORMAT:
         raise CheckpointError(
             f"Expected the checkpoint format {CHECKPOINT_FORMAT} in {path}, got "
-            f"{int(version[1])}; resume with the version of lqd-envs that is named in the run's "
-            "config.json."
+            f"{int(version[1])}; delete it to begin the run again from its start, or go on with "
+            "the sources of lqd-envs that wrote it."
         )
     head = _BODY.match(content, version.end())
     if head is None:

@@ -1,13 +1,14 @@
 """Carrying out one stored solution again, step by step, in the single Gymnasium env."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs import Infos, LQDError, Trajectories, rollout
+from lqd_envs import Info, Infos, LQDError, Trajectories, rollout
 
 Frame = NDArray[np.uint8]
 
@@ -21,7 +22,7 @@ class Replay:
     """What a replay showed.
 
     Attributes:
-        infos: The 76 infos that the env gave, without `is_success`.
+        infos: What was perceived at the 76 moments, without what else the env says of them.
         success: The expert's word at the end, from the env.
         same_as_batch: Whether these infos are, bit for bit, those of a batch rollout.
         digest: Fingerprint of the batch rollout, to be compared with the stored one.
@@ -51,7 +52,8 @@ def replay(task: str, solution: NDArray[np.float64], *, render_mode: str | None 
     if not batch.simulated[0]:
         raise ReplayError(
             "Expected a solution that can be carried out, but this one is rejected here: its "
-            "start is unreachable or overlaps the scene; was it found by another version?"
+            "start is unreachable or overlaps the scene; if another version found it, run the "
+            "search again."
         )
     return play(gym.make(task, render_mode=render_mode), batch)
 
@@ -83,15 +85,16 @@ def _play(
     env: gym.Env[Any, Any], start: NDArray[np.float64], actions: NDArray[np.float32]
 ) -> tuple[Infos, bool, list[Frame]]:
     _, info = env.reset(options={"arm": start})
-    infos, frames = [info], _frame(env)
+    infos, frames = [_perceived(info)], _frame(env)
     for action in actions:
         _, _, _, _, info = env.step(action)
-        infos.append(info)
+        infos.append(_perceived(info))
         frames += _frame(env)
-    success = bool(infos[-1]["is_success"])
-    for info in infos:
-        del info["is_success"]
-    return infos, success, frames  # type: ignore[return-value] # the env's infos are Info now
+    return infos, bool(info["is_success"]), frames
+
+
+def _perceived(info: Mapping[str, Any]) -> Info:
+    return cast(Info, {name: info[name] for name in Info.__annotations__})
 
 
 def _frame(env: gym.Env[Any, Any]) -> list[Frame]:

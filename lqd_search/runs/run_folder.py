@@ -104,8 +104,8 @@ class RunFolder:
         # First, since another layout may have any other keys.
         if data.get("format", RUN_FORMAT) != RUN_FORMAT:
             raise RunFolderError(
-                f"Expected the layout {RUN_FORMAT} in {self.path}, got {data['format']!r}; read it "
-                "with the version of lqd-envs that is named in its config.json."
+                f"Expected the layout {RUN_FORMAT} in {self.path}, got {data['format']!r}; run the "
+                "search again, or use the sources of lqd-envs that wrote it."
             )
         try:
             return RunConfig.from_dict(data)
@@ -160,7 +160,9 @@ class RunFolder:
 
         Raises:
             OutcomeError: They are missing or damaged.
+            RunFolderError: The run has not finished.
         """
+        self._require(OUTCOMES)
         return load_outcomes(self.path / OUTCOMES)
 
     def archive(self) -> StoredArchive:
@@ -168,7 +170,9 @@ class RunFolder:
 
         Raises:
             StoredArchiveError: It is missing or damaged.
+            RunFolderError: The run has not finished.
         """
+        self._require(ARCHIVE)
         return StoredArchive.load(self.path / ARCHIVE)
 
     @property
@@ -215,6 +219,22 @@ class RunFolder:
             write_functionals(self.path / FUNCTIONALS, functionals, origin=origin)
         write_atomically(self.path / CONFIG, config.to_json().encode())
 
+    def _require(self, name: str) -> None:
+        if not (self.finished or (self.path / name).exists()):
+            raise self._unfinished(name)
+
+    def _unfinished(self, name: str) -> RunFolderError:
+        begun = (self.path / CONFIG).exists()
+        reason = "has not finished" if begun else "is not there"
+        remedy = (
+            f"go on with `lqd run --resume {quote(str(self.path))}`"
+            if begun
+            else "pass the folder that `lqd run` printed"
+        )
+        return RunFolderError(
+            f"Expected a finished run in {self.path}, but it {reason} (no {name}); {remedy}."
+        )
+
     def _of_another_form(self, what: str, name: str, error: FormError) -> RunFolderError:
         reason = str(error).rstrip(".")
         return RunFolderError(
@@ -227,21 +247,15 @@ class RunFolder:
         try:
             data = json.loads(path.read_text())
         except FileNotFoundError as error:
-            begun = (self.path / CONFIG).exists()
-            reason = "has not finished" if begun else "is not there"
-            remedy = (
-                f"go on with `lqd run --resume {quote(str(self.path))}`"
-                if begun
-                else "pass the folder that `lqd run` printed"
-            )
-            raise RunFolderError(
-                f"Expected a finished run in {self.path}, but it {reason} (no {name}); {remedy}."
-            ) from error
+            raise self._unfinished(name) from error
         except (OSError, ValueError, RecursionError) as error:
             raise RunFolderError(
                 f"Expected JSON in {path}, but it cannot be read ({error}); restore the file, or "
                 "run the search again."
             ) from error
         if not isinstance(data, dict):
-            raise RunFolderError(f"Expected a JSON object in {path}, got {type(data).__name__}.")
+            raise RunFolderError(
+                f"Expected a JSON object in {path}, got {type(data).__name__}; restore the file, "
+                "or run the search again."
+            )
         return data

@@ -185,7 +185,9 @@ def test_the_reason_is_given(saved, old, new, reason):
 
 def test_another_format_is_named(saved):
     saved.write_bytes(b"lqd checkpoint\nformat 3\nanything")
-    with pytest.raises(CheckpointError, match=r"format 2 in \S+, got 3; resume with the version"):
+    with pytest.raises(
+        CheckpointError, match=r"format 2 in \S+, got 3; delete it to begin the run"
+    ):
         load_checkpoint(saved)
 
 

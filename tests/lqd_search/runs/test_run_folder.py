@@ -12,6 +12,8 @@ from lqd_search.runs.new_folder import refuse_existing
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_folder_error import RunFolderError
+from lqd_search.runs.stored_archive import StoredArchiveError
+from lqd_search.runs.stored_outcomes import OutcomeError
 
 
 def config() -> RunConfig:
@@ -238,6 +240,26 @@ def test_an_unfinished_run_says_so(folder):
         folder.summary()
 
 
+@pytest.mark.parametrize("part", ["archive", "outcomes"])
+def test_an_unfinished_run_has_no_results_yet(folder, part):
+    with pytest.raises(
+        RunFolderError,
+        match=rf"has not finished \(no {part}\.npz\); go on with `lqd run --resume \S+one`\.$",
+    ):
+        getattr(folder, part)()
+
+
+@pytest.mark.parametrize("part", ["archive", "outcomes"])
+def test_a_finished_run_that_lost_its_results_is_damaged(folder, part):
+    folder.write("summary.json", b"{}")
+
+    with pytest.raises(
+        (OutcomeError, StoredArchiveError),
+        match=rf"{part}\.npz, but .* cannot be read \(No such file",
+    ):
+        getattr(folder, part)()
+
+
 def test_a_folder_that_is_no_run_says_so(tmp_path):
     with pytest.raises(RunFolderError, match="it is not there"):
         RunFolder.open(tmp_path)
@@ -247,7 +269,7 @@ def test_a_folder_that_is_no_run_says_so(tmp_path):
     ("text", "message"),
     [
         ("{", "Expected JSON in"),
-        ("[]", "Expected a JSON object in"),
+        ("[]", r"Expected a JSON object in .*, got list; restore the file, or run the search"),
         ('{"task": "x"}', "it is of another form"),
         ("[" * 100_000, "Expected JSON in"),
     ],
@@ -283,7 +305,7 @@ def test_another_layout_is_refused(folder, more):
     data = json.loads((folder.path / "config.json").read_text())
     (folder.path / "config.json").write_text(json.dumps(data | {"format": 99} | more))
 
-    with pytest.raises(RunFolderError, match=r"Expected the layout 4 in .*, got 99"):
+    with pytest.raises(RunFolderError, match=r"the layout 4 in .*, got 99; run the search again"):
         RunFolder.open(folder.path)
 
 

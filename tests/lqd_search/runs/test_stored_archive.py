@@ -63,6 +63,14 @@ def test_numpy_reads_it_without_pickle(tmp_path):
         assert file["elites/success"].tolist() == [True, False, True]
 
 
+def test_a_column_of_objects_is_not_written():
+    archive = small_archive()
+    fields = {**archive.fields, "objective": np.array([object()] * 3)}
+
+    with pytest.raises(ValueError, match="allow_pickle=False"):
+        StoredArchive(fields, archive.grids).to_bytes()
+
+
 @pytest.mark.parametrize("cut", [0, 10, 200])
 def test_a_truncated_file_is_named(tmp_path, cut):
     path = tmp_path / "archive.npz"
