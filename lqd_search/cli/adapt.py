@@ -2,12 +2,13 @@
 
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 import click
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs import LQDError, get_task
+from lqd_envs import LQDError, Task, get_task
 from lqd_envs.instances import Instance
 from lqd_envs.rendering_backend import has_display
 from lqd_search.adaptation.archive_view import ArchiveView
@@ -19,8 +20,9 @@ from lqd_search.cli.named_instance import SYNTAX, in_words, listed_instances, na
 from lqd_search.cli.video import check_video_path, write_video
 from lqd_search.runs.replay import Replay
 from lqd_search.runs.run_folder import RunFolder
+from lqd_search.runs.stored_archive import StoredArchive
 
-_NO_SOLUTION = 1
+_FAILED = 1
 _DIFFERENT = (
     "Expected the env to show the motion that solved the instance, but step by step it differs "
     "from the batch simulation; see `lqd doctor`, and report it with the versions that it names."
@@ -62,7 +64,8 @@ _ROWS_SHOWN = 10
 )
 @click.option(
     "--threads",
-    type=click.IntRange(min=1),
+    type=click.IntRange(min=0),
+    default=0,
     help="Threads to simulate on; the result does not depend on it.  [default: one for each CPU]",
 )
 @click.option(
@@ -82,7 +85,7 @@ def adapt_command(
     list_only: bool,
     selector: str,
     limit: int,
-    threads: int | None,
+    threads: int,
     video: Path | None,
     out: Path | None,
 ) -> None:
@@ -92,7 +95,8 @@ def adapt_command(
     after the other in the order of a selector, which does not know the instance. That condition
     was inferred, and nothing is asked of the expert, unless the expert steered the run. It shows
     how many tries it took and carries out the first one that solves the instance: in a window
-    where there is a display. Where none does, the exit status is 1.
+    where there is a display. The exit status is 1 where none solves it, and where the env shows
+    another motion than was simulated before, which is then not kept.
     """
     run = RunFolder.open(folder)
     config = run.config()
@@ -100,42 +104,21 @@ def adapt_command(
     if list_only:
         click.echo(listed_instances(task, count=_LISTED))
         return
-    if instance_text is None:
-        raise LQDError(
-            f"Expected an instance, but got none; name one with --instance {SYNTAX}, or see what "
-            "there is with --list."
-        )
-    instance = named_instance(instance_text, task)
-    if video:
-        check_video_path(video)
-    if out:
-        check_solution_path(out)
+    instance = _prepare(instance_text, task, video=video, out=out)
     archive = run.archive()
-    click.echo("\n".join([f"instance {instance.name}", *in_words(instance)]))
-    chosen = SELECTORS[selector]
-    attempts = try_motions(
-        ArchiveView.of(archive),
-        task=task,
-        instance=instance,
-        select=chosen.select,
-        limit=limit,
-        threads=threads or 0,
-    )
     # Where the expert steered the run, so does what it stored, and the order in which it is tried.
     approves = "expert's" if config.llm == "none" else "inferred"
-    click.echo(_describe(attempts, chosen, condition=f"the {approves} condition"))
-    if attempts.tries is None:
-        click.echo(f"lqd: {_nothing_found(attempts, instance)}", err=True)
-        sys.exit(_NO_SOLUTION)
-    elite = int(attempts.solving[0])
+    elite, tries = _try(
+        archive,
+        task=task,
+        instance=instance,
+        selector=SELECTORS[selector],
+        limit=limit,
+        threads=threads,
+        condition=f"the {approves} condition",
+    )
     solution = archive.fields["solution"][elite]
-    mode = "rgb_array" if video else "human" if has_display() else None
-    shown = replay_in(instance, solution, render_mode=mode)
-    if video:
-        write_video(video, shown.frames)
-    click.echo(_report(shown, title=f"elite {elite} of {len(archive)}", solution=solution))
-    if video:
-        click.echo(f"video: {video}")
+    _show(instance, solution, title=f"elite {elite} of {len(archive)}", video=video)
     if out:
         KeptSolution(
             instance=instance,
@@ -144,12 +127,68 @@ def adapt_command(
             method=config.method,
             run_seed=config.seed,
             selector=selector,
-            tries=attempts.tries,
+            tries=tries,
         ).write(out)
         click.echo(f"kept in: {out}")
+
+
+def _prepare(text: str | None, task: Task, *, video: Path | None, out: Path | None) -> Instance:
+    if text is None:
+        raise LQDError(
+            f"Expected an instance, but got none; name one with --instance {SYNTAX}, or see what "
+            "there is with --list."
+        )
+    instance = named_instance(text, task)
+    if video:
+        check_video_path(video)
+    if out:
+        check_solution_path(out)
+    return instance
+
+
+def _try(
+    archive: StoredArchive,
+    *,
+    task: Task,
+    instance: Instance,
+    selector: NamedSelector,
+    limit: int,
+    threads: int,
+    condition: str,
+) -> tuple[int, int]:
+    """Return the first elite that solves the instance, and how many tries it took."""
+    click.echo("\n".join([f"instance {instance.name}", *in_words(instance)]))
+    attempts = try_motions(
+        ArchiveView.of(archive),
+        task=task,
+        instance=instance,
+        select=selector.select,
+        limit=limit,
+        threads=threads,
+    )
+    click.echo(_describe(attempts, selector, condition=condition))
+    if attempts.tries is None:
+        _end(_nothing_found(attempts, instance))
+    return int(attempts.solving[0]), attempts.tries
+
+
+def _show(
+    instance: Instance, solution: NDArray[np.float64], *, title: str, video: Path | None
+) -> None:
+    mode = "rgb_array" if video else "human" if has_display() else None
+    shown = replay_in(instance, solution, render_mode=mode)
+    if video:
+        write_video(video, shown.frames)
+    click.echo(_report(shown, title=title, solution=solution))
+    if video:
+        click.echo(f"video: {video}")
     if not (shown.success and shown.same_as_batch):
-        click.echo(f"lqd: {_DIFFERENT}", err=True)
-        sys.exit(_NO_SOLUTION)
+        _end(_DIFFERENT)
+
+
+def _end(why: str) -> NoReturn:
+    click.echo(f"lqd: {why}", err=True)
+    sys.exit(_FAILED)
 
 
 def _describe(attempts: Attempts, selector: NamedSelector, *, condition: str) -> str:

@@ -51,7 +51,7 @@ _INFERRING = ("llm", "recordings", "instruction", "model", "effort", "max_tokens
     "--batch-size",
     type=click.IntRange(min=1),
     help="Solutions in a generation.  [default: the largest power of two that leaves 32 "
-    "generations, 2048 at most]",
+    "generations, 2048 at most; at least 2 for ga]",
 )
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the search."
@@ -136,7 +136,8 @@ def run_command(
             folder = RunFolder.open(resume)
         elif task_id is None:
             raise LQDError(
-                "Expected a TASK, such as LQD/Faucet-v0, or --resume DIR, but got neither."
+                "Expected a TASK, such as LQD/Faucet-v0, or --resume DIR, but got neither; name "
+                "one of them."
             )
         else:
             if functionals is not None:
@@ -144,6 +145,10 @@ def run_command(
             task = get_task(task_id)
             path = out or default_path(task)
             refuse_existing(path)
+            named = METHODS[method]
+            size = batch_size or max(default_batch_size(evaluations), named.smallest_batch)
+            # Before anything is inferred, which takes a while and may have to be paid for.
+            named.check_size(evaluations=evaluations, batch_size=size)
             source = FunctionalsSource(llm, instruction, sample, functionals)
             with source.get(
                 task, method=method, output=path, threads=threads, allow_weak=allow_weak_sandbox
@@ -154,7 +159,7 @@ def run_command(
                     functionals=found,
                     method=method,
                     evaluations=evaluations,
-                    batch_size=batch_size or default_batch_size(evaluations),
+                    batch_size=size,
                     seed=seed,
                     sample=sample,
                     failure_competition=failure_competition,

@@ -251,8 +251,8 @@ def _check_choices(folder: RunFolder, config: RunConfig) -> None:
         if given not in known:
             raise LQDError(
                 f"Expected one of {', '.join(known)} as {what} in the config.json of "
-                f"{folder.path}, but got {given!r}; restore the file, or install the version of "
-                "lqd-envs that it names."
+                f"{folder.path}, but got {given!r}; restore the file, begin another run, or go on "
+                "with the sources of lqd-envs that wrote it."
             )
 
 

@@ -19,7 +19,10 @@ def check_video_path(video: Path) -> None:
             that does not exist.
     """
     if video.suffix != ".mp4":
-        raise LQDError(f"Expected the name of an .mp4 file for the video, got {video}.")
+        raise LQDError(
+            f"Expected the name of an .mp4 file for the video, got {video}; choose one such as "
+            "film.mp4."
+        )
     try:
         video.lstat()
         why = "exists already"

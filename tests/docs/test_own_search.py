@@ -38,6 +38,19 @@ def test_pyribs_scheduler_runs_on_the_archive():
     assert all(len(grid) > 10 for grid in namespace["archive"].grids.values())
 
 
+def test_what_pyribs_stores_is_what_was_measured():
+    namespace = {}
+
+    exec(compile(BLOCKS[1], str(TUTORIAL), "exec"), namespace)
+
+    throws = namespace["archive"].grid_elites("throw")
+    across, up = throws["solution"].T
+    np.testing.assert_allclose(throws["measures"][:, 0], np.hypot(across, up))
+    np.testing.assert_allclose(throws["measures"][:, 1], np.arctan2(up, across))
+    assert throws["solution"].min() >= 0.0
+    assert throws["solution"].max() <= 15.0
+
+
 def test_own_functionals_judge_motions():
     namespace = {}
 

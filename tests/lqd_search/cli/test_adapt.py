@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -211,3 +212,32 @@ def test_an_archive_without_a_success_is_one_sentence(run, call, tmp_path):
 
     assert status == 2
     assert re.fullmatch(r"lqd: Expected a success in the archive, but none [^\n]+\n", err)
+
+
+@pytest.mark.parametrize("difference", [{"same_as_batch": False}, {"success": False}])
+def test_what_the_env_shows_otherwise_is_not_kept(run, call, tmp_path, monkeypatch, difference):
+    from lqd_search.cli import adapt
+
+    original = adapt.replay_in
+    monkeypatch.setattr(
+        adapt, "replay_in", lambda *a, **k: replace(original(*a, **k), **difference)
+    )
+
+    status, out, err = call(
+        *("adapt", run[0], "--instance", "change:2", "--limit", 20),
+        *("--out", tmp_path / "found.json", "--threads", 0),
+    )
+
+    assert status == 1
+    assert ": no\n" in out
+    assert "kept in" not in out
+    assert re.fullmatch(r"lqd: Expected the env to show the motion [^\n]+ names\.\n", err)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_help_names_both_meanings_of_status_1(call):
+    _, out, _ = call("adapt", "--help")
+
+    assert "exit status is 1 where none solves it, and where the env shows another motion" in (
+        " ".join(out.split())
+    )

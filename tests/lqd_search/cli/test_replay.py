@@ -71,7 +71,7 @@ def test_replay_says_that_it_saw_what_the_search_saw(run, call):
         (("--outcome", "0", "--best"), "got --best and --outcome; leave one out."),
         (("--outcome", "0", "--index", "0"), "got --index and --outcome; leave one out."),
         (("--outcome", "0", "--index", "0", "--best"), "--best and --outcome; leave two out."),
-        (("--outcome", "100000"), "the number of outcomes, got 100000."),
+        (("--outcome", "100000"), "the number of outcomes, got 100000; choose a lower one."),
         (("--index", "1", "--video", "film.txt"), "Expected the name of an .mp4 file"),
         (("--index", "1", "--video", "nowhere/film.mp4"), "a folder that does not exist"),
     ],
@@ -149,3 +149,22 @@ def test_damaged_outcomes_are_one_sentence(run, call, tmp_path):
 
     assert (status, out) == (2, "")
     assert re.fullmatch(r"lqd: Expected outcomes in \S+, but they cannot be read [^\n]+\.\n", err)
+
+
+@pytest.mark.parametrize(
+    ("command", "part"),
+    [
+        (("replay",), "archive"),
+        (("replay", "--outcome", 0), "outcomes"),
+        (("adapt", "--instance", "change"), "archive"),
+    ],
+)
+def test_of_an_unfinished_run_nothing_can_be_carried_out_yet(stopped, call, command, part):
+    status, out, err = call(command[0], stopped[0], *command[1:])
+
+    assert (status, out) == (2, "")
+    assert re.fullmatch(
+        rf"lqd: Expected a finished run in \S+, but it has not finished \(no {part}\.npz\); go on "
+        r"with `lqd run --resume \S+`\.\n",
+        err,
+    )
