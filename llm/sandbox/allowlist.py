@@ -70,13 +70,22 @@ MATH_NAMES = (
     *("nextafter", "pi", "pow", "prod", "radians", "remainder", "sin", "sinh", "sqrt", "tan"),
     *("tanh", "tau", "trunc"),
 )
-"""What `math` has, but for what only whole numbers need."""
+"""What `math` has, but for what counts (`comb`, `factorial`, `isqrt`, `lcm`, `perm`), and `ulp`."""
 
 NUMPY_CREATORS = (
     *("arange", "array", "asarray", "empty", "eye", "full", "full_like", "fromiter", "identity"),
     *("linspace", "logspace", "ones", "ones_like", "zeros", "zeros_like"),
 )
 """The functions of `np` that make arrays from anything; theirs hold numbers and nothing else."""
+
+NUMPY_SHAPERS = (
+    *("append", "array_split", "atleast_1d", "atleast_2d", "atleast_3d", "broadcast_to"),
+    *("column_stack", "concatenate", "delete", "dstack", "expand_dims", "flip", "fliplr"),
+    *("flipud", "hstack", "insert", "kron", "meshgrid", "moveaxis", "pad", "ravel", "repeat"),
+    *("reshape", "roll", "rot90", "select", "split", "squeeze", "stack", "swapaxes", "take"),
+    *("tile", "transpose", "vstack", "where"),
+)
+"""Those that put what they are given into another shape; the same holds for them."""
 
 NUMPY_TYPES = (
     *("bool", "bool_", "float32", "float64", "floating", "generic", "int32", "int64", "int_"),
@@ -112,12 +121,7 @@ NUMPY_NAMES = (
     *("convolve", "correlate", "cross", "diag", "diagonal", "digitize", "dot", "einsum"),
     *("histogram", "inner", "interp", "matmul", "outer", "polyfit", "polyval", "roots"),
     *("tensordot", "trace", "tril", "triu", "vdot"),
-    # Of the shape.
-    *("append", "array_split", "atleast_1d", "atleast_2d", "atleast_3d", "broadcast_to"),
-    *("column_stack", "concatenate", "delete", "dstack", "expand_dims", "flip", "fliplr"),
-    *("flipud", "hstack", "insert", "kron", "meshgrid", "moveaxis", "pad", "ravel", "repeat"),
-    *("reshape", "roll", "rot90", "select", "split", "squeeze", "stack", "swapaxes", "take"),
-    *("tile", "transpose", "vstack", "where"),
+    *NUMPY_SHAPERS,
 )
 """What `np` has: nothing that reads or writes files, draws at random or compiles."""
 
@@ -170,6 +174,21 @@ IMPORTS = {"math": "math", "numpy": "np", "numpy.linalg": "np.linalg"}
 
 ANNOTATION_MODULES = frozenset({"__future__", "typing", "typing_extensions", "collections.abc"})
 """Modules that only annotations need; importing them is left out with the annotations."""
+
+SELECTING = frozenset(
+    {
+        *("all", "amax", "amin", "any", "max", "mean", "min", "nanmax", "nanmean", "nanmin"),
+        *("nanprod", "nanstd", "nansum", "nanvar", "prod", "reduce", "std", "sum", "var"),
+    }
+)
+"""What may be told `where` to look; anything else would leave memory as it was elsewhere."""
+
+TYPE_PLACES = {
+    **dict.fromkeys(("cumprod", "cumsum", "mean", "prod", "std", "sum", "var"), 1),
+    **dict.fromkeys(("nancumsum", "nanmean", "nanprod", "nanstd", "nansum", "nanvar"), 1),
+    "trace": 3,
+}
+"""Which argument of an array's method is the type of the elements; of a function, the next."""
 
 DTYPES = frozenset({"bool", "complex", "float", "int"})
 """Builtins that say what the elements of an array are."""

@@ -2,7 +2,6 @@
 
 import struct
 from collections.abc import Sequence
-from types import MappingProxyType
 from typing import Any
 
 from lqd_llm.sandbox.calls import SOURCE_NAME, Function, Record, plain, raised
@@ -22,7 +21,6 @@ from lqd_llm.sandbox.wire import (
 
 _RECORD = struct.Struct("<" + RECORD_FORMAT)
 _DEFINED = plain(Reason.ACCEPTED)
-_A_DICTIONARY: dict[str, Any] = {}
 
 
 def define_functions(
@@ -52,7 +50,6 @@ def define_functions(
 
 def _define(source: str, *, entry: str, number: int) -> tuple[Function | None, Record]:
     around = new_namespace()
-    around["__builtins__"] = {**around["__builtins__"], "isinstance": _isinstance}
     code = compile(source, f"{SOURCE_NAME} {number}>", "exec", dont_inherit=True)
 
     def define() -> dict[str, Any]:
@@ -70,10 +67,3 @@ def _define(source: str, *, entry: str, number: int) -> tuple[Function | None, R
     except Exception as error:  # noqa: BLE001 (a model wrote this code, and it may raise anything)
         return None, raised(error)
     return call, _DEFINED
-
-
-def _isinstance(value: Any, kind: Any, /) -> bool:
-    """Whether a value is of a type, where an info counts as the dictionary that it stands for."""
-    if type(value) is MappingProxyType:
-        value = _A_DICTIONARY
-    return isinstance(value, kind)

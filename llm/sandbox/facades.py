@@ -7,7 +7,7 @@ same names are all there is, so that a name which slipped through the check lead
 import builtins
 import math
 from collections.abc import Callable, Mapping
-from types import FunctionType
+from types import FunctionType, MappingProxyType
 from typing import Any, NoReturn
 
 import numpy as np
@@ -18,6 +18,7 @@ from lqd_llm.sandbox.allowlist import (
     MATH_NAMES,
     NUMPY_CREATORS,
     NUMPY_NAMES,
+    NUMPY_SHAPERS,
 )
 
 _NUMBERS = "biufc"
@@ -28,13 +29,14 @@ def new_namespace() -> dict[str, Any]:
     """Return fresh globals for the code of one function.
 
     Returns:
-        `__builtins__`, with the builtins of the allowlist and an `__import__` that does nothing,
-        and the facades `math` and `np`. The dictionaries are new; the facades cannot be changed and
-        are always the same.
+        `__builtins__`, with the builtins of the allowlist (an `isinstance` that takes an info for
+        the dictionary that it stands for) and an `__import__` that does nothing, and the facades
+        `math` and `np`. The dictionaries are new; the facades cannot be changed and are always the
+        same.
     """
     allowed = {name: getattr(builtins, name) for name in BUILTINS}
     return {
-        "__builtins__": {**allowed, "__import__": _IMPORT_NOTHING},
+        "__builtins__": {**allowed, "isinstance": _ISINSTANCE, "__import__": _IMPORT_NOTHING},
         "math": _MATH,
         "np": _NUMPY,
     }
@@ -71,16 +73,42 @@ def _of_numbers(create: Callable[..., Any]) -> Callable[..., Any]:
     An array of texts can be read as times, and so tells the time of day; one of objects calls
     their methods.
     """
-    numbers, with_step = _NUMBERS, tuple
+    numbers, several = _NUMBERS, (tuple, list)
 
     def creator(*args: Any, **kwargs: Any) -> Any:
         made: Any = create(*args, **kwargs)
-        array = made[0] if made.__class__ is with_step else made
-        if array.dtype.kind not in numbers:
-            raise TypeError("an array can only hold numbers and truth values")
+        for array in made if made.__class__ in several else (made,):
+            try:
+                other = array.dtype.kind not in numbers
+            except AttributeError:
+                other = True
+            if other:
+                raise TypeError("an array can only hold numbers and truth values")
         return made
 
     return _alone(creator, name=create.__name__)
+
+
+def _filled(pad: Callable[..., Any]) -> Callable[..., Any]:
+    """Return `np.pad` without the mode that shows what was in memory before."""
+
+    def filled(*args: Any, **kwargs: Any) -> Any:
+        mode = args[2] if args[2:] else kwargs.get("mode")
+        if mode == "empty":
+            raise ValueError("the mode 'empty' leaves the new elements undefined")
+        return pad(*args, **kwargs)
+
+    return _alone(filled, name=pad.__name__)
+
+
+def _isinstance_of_infos() -> Callable[..., Any]:
+    """Return an `isinstance` for which the read-only view of a dictionary is a dictionary."""
+    type_of, view, is_instance = type, MappingProxyType, isinstance
+
+    def of_infos(value: Any, kind: Any, /) -> bool:
+        return is_instance({} if type_of(value) is view else value, kind)
+
+    return _alone(of_infos, name="isinstance")
 
 
 def _import_nothing(*_: object) -> None:
@@ -93,19 +121,22 @@ def _import_nothing(*_: object) -> None:
 
 def _alone(function: Any, *, name: str) -> Callable[..., Any]:
     """Return a function with globals of its own, through which there is nothing to be found."""
-    lonely = {"__builtins__": {"TypeError": TypeError}}
+    errors = {kind.__name__: kind for kind in (AttributeError, TypeError, ValueError)}
+    lonely = {"__builtins__": errors}
     return FunctionType(function.__code__, lonely, name, None, function.__closure__)
 
 
 def _numpy_members() -> dict[str, Any]:
     members = {name: getattr(np, name) for name in NUMPY_NAMES}
-    members |= {name: _of_numbers(members[name]) for name in NUMPY_CREATORS}
+    members["pad"] = _filled(members["pad"])
+    members |= {name: _of_numbers(members[name]) for name in (*NUMPY_CREATORS, *NUMPY_SHAPERS)}
     # What was in memory before is nobody's business, and differs from call to call.
     members["empty"] = members["zeros"]
     members["linalg"] = _facade("np.linalg", {n: getattr(np.linalg, n) for n in LINALG_NAMES})
     return members
 
 
+_ISINSTANCE = _isinstance_of_infos()
 _IMPORT_NOTHING = _alone(_import_nothing, name="__import__")
 _MATH = _facade("math", {name: getattr(math, name) for name in MATH_NAMES})
 _NUMPY = _facade("np", _numpy_members())

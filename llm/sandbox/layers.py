@@ -42,7 +42,7 @@ def probe_layers() -> tuple[Layer, ...]:
     """Try each layer in a process of its own: lock it in, and do what must now fail.
 
     Raises:
-        SandboxError: Python does not know its own interpreter.
+        SandboxError: Python does not know its own interpreter, or there is no memory to share.
     """
     columns = SharedMemory("lqd-probe", size=4096, writable=False)
     columns.memory[0] = 1
@@ -74,6 +74,8 @@ def _probe(name: str, purpose: str, columns: SharedMemory) -> Layer:
         )
     except subprocess.TimeoutExpired:
         return Layer(name, purpose, active=False, why_not=f"trying it took over {_SECONDS} s")
+    except OSError as error:
+        return Layer(name, purpose, active=False, why_not=f"no process starts to try it ({error})")
     said = probe.stdout.split("\n")[-2] if "\n" in probe.stdout else ""
     # The last thing that seccomp forbids ends the process.
     if said == HELD or (said == LAST and probe.returncode == -signal.SIGSYS):

@@ -1,10 +1,13 @@
 """The names that code binds, and those that stand for a facade."""
 
 import ast
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from lqd_llm.sandbox.allowlist import FACADE_NAMES
+from lqd_llm.sandbox.allowlist import FACADE_NAMES, NUMPY_CREATORS
+
+_MAKE_ARRAYS = frozenset({*NUMPY_CREATORS, "astype", "copy"})
 
 
 @dataclass(frozen=True)
@@ -16,6 +19,7 @@ class Names:
         assigned: Those that an assignment at the top level binds.
         constants: Those of `assigned` that no function binds too and that are no facade.
         unpacking: Those that can only be functions of the code's own, or `dict`.
+        arrays: Those that nothing but a new array is ever assigned to.
         facades: For each name that stands for a facade, which one: a key of `FACADE_NAMES`.
     """
 
@@ -23,6 +27,7 @@ class Names:
     assigned: frozenset[str]
     constants: frozenset[str]
     unpacking: frozenset[str]
+    arrays: frozenset[str]
     facades: Mapping[str, str]
 
     @classmethod
@@ -44,12 +49,17 @@ class Names:
             assigned=frozenset(assigned),
             constants=frozenset(assigned - inside - facades.keys()),
             unpacking=_unpacking(tree, bound),
+            arrays=_arrays(tree),
             facades=facades,
         )
 
     def facade_of(self, node: ast.expr) -> str | None:
         """Return which facade an expression stands for, if it does."""
         return _facade_of(node, self.facades)
+
+    def is_array(self, node: ast.expr) -> bool:
+        """Return whether an expression gives an array for sure, wherever it can be evaluated."""
+        return _makes_array(node) or (isinstance(node, ast.Name) and node.id in self.arrays)
 
 
 def root_of(node: ast.expr) -> str | None:
@@ -96,6 +106,28 @@ def _unpacking(tree: ast.Module, bound: set[str]) -> frozenset[str]:
             case ast.ExceptHandler(name=str(name)):
                 others.add(name)
     return frozenset((defined | ({"dict"} - bound)) - others)
+
+
+def _arrays(tree: ast.Module) -> frozenset[str]:
+    targets = [
+        target
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign) and _makes_array(node.value)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    ]
+    bound = Counter(_bound_in(tree))
+    assigned = Counter(target.id for target in targets)
+    return frozenset(name for name, times in assigned.items() if times == bound[name])
+
+
+def _makes_array(node: ast.expr) -> bool:
+    # Only `np` and arrays have these; what else has a `copy` gives nothing that numbers go into.
+    match node:
+        case ast.Call(func=ast.Attribute(attr=name)):
+            return name in _MAKE_ARRAYS
+        case _:
+            return False
 
 
 def _facades(tree: ast.Module) -> dict[str, str]:

@@ -37,6 +37,8 @@ class Ending(Enum):
     """It took more memory than it may; the worker was killed."""
     DIED = "died"
     """It ended by itself, or was killed by somebody else."""
+    STILL = "still"
+    """It used no CPU time for long, as when somebody else stops it; it was killed."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,12 @@ class Ended:
 
     ending: Ending
     call: int
+
+
+_LATE = {
+    Ending.TIMEOUT: "it did not get ready within {0.cpu_seconds:g} s of CPU time",
+    Ending.STILL: "it did not get ready, and stood still for {0.idle_seconds:g} s",
+}
 
 
 def start_command(part: str, order: Mapping[str, Any]) -> list[str]:
@@ -94,6 +102,10 @@ class WorkerProcess:
 
     Attributes:
         pid: The process.
+
+    Raises:
+        OSError: The system starts no process.
+        SandboxError: Python does not know its own interpreter.
     """
 
     def __init__(self, *, columns: SharedMemory, results: SharedMemory, limits: Limits) -> None:
@@ -126,7 +138,7 @@ class WorkerProcess:
             Whether it came so far, and what it said of locks that are missing or of its failing.
         """
         ended = self._wait(Command.READY, _START)
-        told = self._told()
+        told = self._told() or _LATE.get(ended.ending, "").format(_START)
         self._grown = _resident_bytes(self.pid) + self._limits.memory_bytes + _SLACK
         return ended, told
 
@@ -223,7 +235,8 @@ class _Watch:
         if cpu - self._cpu_at_call > self._limits.cpu_seconds:
             return Ending.TIMEOUT
         if now - self._progress > self._limits.idle_seconds:
-            return Ending.TIMEOUT
+            # No function can be at a standstill by itself: it has nothing to wait for.
+            return Ending.STILL
         return Ending.MEMORY if _resident_bytes(self._pid) > self._grown else None
 
 

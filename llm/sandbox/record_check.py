@@ -1,5 +1,6 @@
 """Checking the records that a worker wrote: nothing in them is believed before."""
 
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -111,6 +112,8 @@ def check_records(
         if not ((lengths >= fewest) & (lengths <= most)).all():
             raise _garbage(f"a {role} of another length", f"{fewest} to {most}")
         first = numbers[:, 0]
+        if role is Role.FITNESS and not (np.abs(first) < sys.float_info.max).all():
+            raise _garbage("a fitness as large as no mean may be", "a smaller one")
         if role is Role.SUCCESS and not np.isin(first, (0.0, 1.0)).all():
             raise _garbage("a success other than true and false", "one of these")
         if role is Role.TIMESTAMP and not np.isin(first, np.arange(moments)).all():
@@ -127,8 +130,10 @@ def _check_reasons(records: NDArray[Any], possible: set[Reason], *, what: str) -
             raise _garbage(f"a detail of {reason.name} out of range", f"below {details(reason)}")
         if (of_it["line"] > (LONGEST_SOURCE + 1 if reason is Reason.RAISED else 0)).any():
             raise _garbage(f"a line of {reason.name} out of range", "one of the code")
-        if reason is Reason.WRONG_COUNT and (of_it["length"] < 0).any():
-            raise _garbage("a negative length", "a length")
+        lengths = of_it["length"]
+        possible_count = (lengths >= 0) & ((lengths < SHORTEST) | (lengths > LONGEST))
+        if reason is Reason.WRONG_COUNT and not possible_count.all():
+            raise _garbage("a wrong count that is right or negative", "another")
 
 
 def _garbage(got: str, expected: str) -> SandboxError:

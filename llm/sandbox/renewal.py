@@ -65,7 +65,8 @@ def can_be_changed(namespace: Mapping[str, Any]) -> bool:
 
 
 def _own(namespace: Mapping[str, Any]) -> list[Any]:
-    return [value for name, value in namespace.items() if name != "__builtins__"]
+    # Code cannot bind the others: they are Python's, which notes there what it has warned of.
+    return [value for name, value in namespace.items() if not name.startswith("__")]
 
 
 def _are_fixed(values: Iterable[Any]) -> bool:

@@ -8,14 +8,19 @@ from typing import Any
 
 from lqd_llm.sandbox.allowlist import (
     BUILTINS,
-    DTYPE_TEXTS,
-    DTYPES,
+    EXCEPTIONS,
     FACADE_NAMES,
     LARGEST_INTEGER,
     LONGEST_NAME,
     MUTATORS,
-    NUMPY_TYPES,
     VALUE_ATTRIBUTES,
+)
+from lqd_llm.sandbox.call_rules import (
+    EXPECTED_DTYPE,
+    TYPED,
+    check_call,
+    is_dtype,
+    is_plain_call,
 )
 from lqd_llm.sandbox.errors import RejectedCodeError
 from lqd_llm.sandbox.names import Names, own_nodes, root_of
@@ -23,13 +28,6 @@ from lqd_llm.sandbox.names import Names, own_nodes, root_of
 _AVAILABLE = frozenset(BUILTINS)
 _FACADES = frozenset(name for name in FACADE_NAMES if "." not in name)
 _PLAIN_FORMAT = re.compile(r"(?:.?[<>=^])?[-+ ]?z?#?0?\d{0,2}[,_]?(?:\.\d{1,2})?[a-zA-Z%]?")
-_EXPECTED_DTYPE = "the elements of an array can only be float, int, bool or complex"
-_EXPECTED_FOLD = "{} takes an array and an axis here, and is called where it is named"
-# What else they are given may be the type of the elements, as text that could be anything.
-_TYPED = {
-    "astype": _EXPECTED_DTYPE,
-    **{name: _EXPECTED_FOLD.format(name) for name in ("accumulate", "reduce")},
-}
 _TYPE_KEYWORDS = frozenset({"casting", "like", "sig", "signature"})
 _PLAIN_DEFAULT = (
     *(ast.Constant, ast.Name, ast.Attribute, ast.Tuple, ast.UnaryOp, ast.BinOp),
@@ -49,10 +47,10 @@ def check_rules(tree: ast.Module, names: Names) -> None:
     """
     typed: set[ast.AST] = set()
     for node in _in_order(tree):
-        if isinstance(node, ast.Call) and (_converts(node, names) or _folds(node)):
+        if isinstance(node, ast.Call) and is_plain_call(node, names):
             typed.add(node.func)
-        if isinstance(node, ast.Attribute) and node.attr in _TYPED and node not in typed:
-            raise RejectedCodeError(_TYPED[node.attr], line=node.lineno)
+        if isinstance(node, ast.Attribute) and node.attr in TYPED and node not in typed:
+            raise RejectedCodeError(TYPED[node.attr], line=node.lineno)
         if rule := _RULES.get(type(node)):
             rule(node, names)
 
@@ -164,40 +162,34 @@ def _check_argument(node: ast.arg, _: Names) -> None:
     _check_binding(node.arg, line=node.lineno)
 
 
-def _check_call(node: ast.Call, names: Names) -> None:
-    if all(keyword.arg for keyword in node.keywords):
-        return
-    # What is unpacked there cannot be seen here, and may say of what type an array is.
-    if not (isinstance(node.func, ast.Name) and node.func.id in names.unpacking):
-        raise RejectedCodeError(
-            "** can only be used in calls of dict and of functions that are defined here",
-            line=node.lineno,
-        )
-
-
 def _check_keyword(node: ast.keyword, names: Names) -> None:
     if node.arg is not None:
         _check_identifier(node.arg, line=node.value.lineno)
     if node.arg in _TYPE_KEYWORDS:
         raise RejectedCodeError(f"the argument {node.arg!r} is not allowed", line=node.value.lineno)
-    if node.arg == "dtype" and not _is_dtype(node.value, names):
-        raise RejectedCodeError(_EXPECTED_DTYPE, line=node.value.lineno)
+    if node.arg == "dtype" and not is_dtype(node.value, names):
+        raise RejectedCodeError(EXPECTED_DTYPE, line=node.value.lineno)
     if node.arg == "out":
         _check_own(node.value, names)
 
 
-def _check_function(node: ast.FunctionDef, _: Names) -> None:
+def _check_function(node: ast.FunctionDef, names: Names) -> None:
     _check_binding(node.name, line=node.lineno)
     if node.decorator_list:
         raise RejectedCodeError("a decorator is not allowed", line=node.decorator_list[0].lineno)
     own = list(own_nodes(node))
-    bare = [part for part in own if isinstance(part, ast.ExceptHandler) and part.type is None]
-    # It would also run when the generator is thrown away, which may be in another's time.
-    if bare and any(isinstance(part, ast.Yield | ast.YieldFrom) for part in own):
-        raise RejectedCodeError(
-            "an except in a generator must name its exceptions, such as KeyError",
-            line=bare[0].lineno,
-        )
+    if not any(isinstance(part, ast.Yield | ast.YieldFrom) for part in own):
+        return
+    # When a generator is thrown away, which may be in another's time, Python asks each of them
+    # whether it handles that: a bare one runs, and of any other what it names is evaluated.
+    handlers = [part for part in own if isinstance(part, ast.ExceptHandler)]
+    for handler in sorted(handlers, key=lambda handler: handler.lineno):
+        if handler.type is None or not _is_exception(handler.type, names):
+            raise RejectedCodeError(
+                "an except in a generator must name its exceptions, such as KeyError or "
+                "(KeyError, ValueError)",
+                line=handler.lineno,
+            )
 
 
 def _check_arguments(node: ast.arguments, _: Names) -> None:
@@ -227,38 +219,15 @@ def _check_comprehension(node: ast.comprehension, _: Names) -> None:
         raise RejectedCodeError("async is not allowed", line=node.target.lineno)
 
 
-def _converts(call: ast.Call, names: Names) -> bool:
-    """Return whether a call is one of `astype`, and to a type of numbers."""
-    match call:
-        case ast.Call(func=ast.Attribute(attr="astype"), args=[dtype], keywords=[]):
-            return _is_dtype(dtype, names)
-        case ast.Call(
-            func=ast.Attribute(attr="astype"), args=[], keywords=[ast.keyword("dtype", dtype)]
-        ):
-            return _is_dtype(dtype, names)
-        case _:
-            return False
-
-
-def _folds(call: ast.Call) -> bool:
-    """Return whether a call is one of `reduce` or `accumulate`, and says nothing of a type."""
-    match call:
-        case ast.Call(func=ast.Attribute(attr="reduce" | "accumulate"), args=[_] | [_, _] as args):
-            return not any(isinstance(argument, ast.Starred) for argument in args)
-        case _:
-            return False
-
-
-def _is_dtype(node: ast.expr, names: Names) -> bool:
+def _is_exception(node: ast.expr, names: Names) -> bool:
+    """Return whether an expression is the plain name of an exception, or a tuple of such names."""
     match node:
-        case ast.Constant(value=None):
-            return True
-        case ast.Constant(value=str(text)):
-            return text in DTYPE_TEXTS
         case ast.Name(id=name):
-            return name in DTYPES and name not in names.bound
-        case ast.Attribute(value=value, attr=name):
-            return names.facade_of(value) == "np" and name in NUMPY_TYPES
+            return name in EXCEPTIONS and name not in names.bound
+        case ast.Tuple(elts=elements):
+            return all(_is_exception(element, names) for element in elements)
+        case ast.Attribute(attr="LinAlgError", value=ast.Attribute(value=ast.Name("np"))):
+            return True
         case _:
             return False
 
@@ -270,7 +239,7 @@ _RULES: Mapping[type[ast.AST], Callable[[Any, Names], None]] = {
     ast.Constant: _check_constant,
     ast.FormattedValue: _check_formatted,
     ast.arg: _check_argument,
-    ast.Call: _check_call,
+    ast.Call: check_call,
     ast.keyword: _check_keyword,
     ast.FunctionDef: _check_function,
     ast.arguments: _check_arguments,

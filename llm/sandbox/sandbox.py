@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from threading import Lock as ThreadLock
 from types import TracebackType
 from typing import Any
@@ -189,10 +190,13 @@ class _Opened:
     ) -> None:
         slots = slots_of([function.role for function in functions])
         room = max(CAPACITY * _MOMENTS * moment_bytes(layout), 1)
-        self.columns = SharedMemory("lqd-columns", size=room, writable=False)
-        self.results = SharedMemory(
-            "lqd-results", size=results_bytes(len(functions), len(slots)), writable=True
-        )
+        size = results_bytes(len(functions), len(slots))
+        with ExitStack() as memory:
+            self.columns = SharedMemory("lqd-columns", size=room, writable=False)
+            memory.callback(self.columns.close)
+            self.results = SharedMemory("lqd-results", size=size, writable=True)
+            memory.callback(self.results.close)
+            self._memory = memory.pop_all()
         # A worker ends with the thread that started it, and runs may come from any thread.
         self._starter = ThreadPoolExecutor(1, thread_name_prefix="lqd-sandbox")
         self.supervisor = Supervisor(
@@ -208,5 +212,4 @@ class _Opened:
     def close(self) -> None:
         self.supervisor.stop()
         self._starter.shutdown()
-        self.columns.close()
-        self.results.close()
+        self._memory.close()

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lqd_llm.sandbox.errors import SandboxError
+
 # Python names the last of these from 3.13 on.
 _SEAL, _SHRINK, _GROW, _FUTURE_WRITE = 1, 2, 4, 16
 
@@ -29,14 +31,27 @@ class SharedMemory:
         file: The file descriptor that a worker maps it by.
         memory: The host's mapping of it.
         size: In bytes.
+
+    Raises:
+        SandboxError: The system gives none.
     """
 
     def __init__(self, name: str, *, size: int, writable: bool) -> None:
         self.size = size
+        try:
+            self._make(name, writable=writable)
+        except OSError as error:
+            raise SandboxError(
+                f"Expected {size >> 10} KiB of memory to share with a process, but the system "
+                f"gives none ({error}); close files and programs, or raise the limit on open files "
+                "(ulimit -n)."
+            ) from error
+
+    def _make(self, name: str, *, writable: bool) -> None:
         self.file = _open(name)
         try:
-            os.ftruncate(self.file, size)
-            self.memory = mmap.mmap(self.file, size)
+            os.ftruncate(self.file, self.size)
+            self.memory = mmap.mmap(self.file, self.size)
             _seal(self.file, writable=writable)
         except BaseException:
             os.close(self.file)

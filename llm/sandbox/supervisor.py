@@ -153,9 +153,7 @@ class Supervisor:
         words[:] = 0
         words[Word.DONE], words[Word.CALL] = done, NO_FUNCTION
         del words
-        self._worker = self._starter.submit(
-            lambda: WorkerProcess(columns=self._columns, results=self._results, limits=self._limits)
-        ).result()
+        self._worker = self._started()
         try:
             ready, told = self._worker.wait_until_ready()
             if ready.ending is not Ending.ANSWERED:
@@ -174,10 +172,23 @@ class Supervisor:
             self._bury(ended, status, motion=motion, defining=True)
         return self._worker is not None
 
+    def _started(self) -> WorkerProcess:
+        shared = {"columns": self._columns, "results": self._results}
+        try:
+            start = self._starter.submit(lambda: WorkerProcess(**shared, limits=self._limits))
+            return start.result()
+        # The latter where there cannot even be a thread to start it.
+        except (OSError, RuntimeError) as error:
+            raise SandboxError(
+                f"Expected the system to start a process for the sandbox, but it does not ({error})"
+                "; end other programs, or raise the limits on processes (ulimit -u), open files "
+                "(ulimit -n) and memory."
+            ) from error
+
     def _failed_to_start(self, told: str) -> bool:
         self.stop()
         self._failures += 1
-        # One that says why will say so again; one that is killed has only had bad luck.
+        # Where the reason is known it will be so again; one that is killed has only had bad luck.
         if self._failures >= (DEATHS if told else VAIN_DEATHS):
             why = told.splitlines()[-1] if told else "they died without a word"
             raise SandboxError(
@@ -241,7 +252,9 @@ class Supervisor:
             reason = f"was stopped: it took more than {limits.memory_bytes >> 20} MiB of memory"
             self._drop(function, cause="memory", reason=reason, motion=where)
         elif self._deaths.count(function, motion) >= DEATHS and known:
-            reason = f"was stopped: its process died {DEATHS} times in a row while it ran"
+            still = ended.ending is Ending.STILL
+            what = f"stood still for {limits.idle_seconds:g} s" if still else "died"
+            reason = f"was stopped: its process {what} {DEATHS} times in a row while it ran"
             self._drop(function, cause="crash", reason=reason, motion=where)
         self._deaths.give_up_when_vain(motion)
 

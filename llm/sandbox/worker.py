@@ -1,5 +1,6 @@
 """The worker: a process that locks itself in, and only then runs functions it does not trust."""
 
+import fcntl
 import gc
 import json
 import mmap
@@ -44,6 +45,8 @@ _COMMANDS = 0
 _ANSWERS = 3
 # Commands, nothing, where a failing start is told, and answers.
 _FILES = 4
+# More than a worker ever has, whatever the numbers of those that it is handed.
+_MOST_FILES = 32
 
 
 def main(order: dict[str, Any]) -> None:
@@ -54,9 +57,12 @@ def main(order: dict[str, Any]) -> None:
     """
     told = Order(**order)
     _die_with(told.parent)
-    columns = _map(*told.columns, access=mmap.ACCESS_READ)
-    results = _map(*told.results, access=mmap.ACCESS_WRITE)
+    files = [_moved(told.columns[0]), _moved(told.results[0])]
     _move_answers()
+    columns = mmap.mmap(files[0], told.columns[1], access=mmap.ACCESS_READ)
+    results = mmap.mmap(files[1], told.results[1], access=mmap.ACCESS_WRITE)
+    # Mappings last without their files, of which Python keeps copies.
+    os.closerange(_FILES, _MOST_FILES)
     warm_up()
     locks = _lock(told)
     words = memoryview(results)[:HEADER_BYTES].cast("Q")
@@ -79,10 +85,11 @@ def _die_with(parent: int) -> None:
         os._exit(1)
 
 
-def _map(file: int, size: int, *, access: int) -> mmap.mmap:
-    memory = mmap.mmap(file, size, access=access)
+def _moved(file: int) -> int:
+    """Move a file to a number that nothing else is to have."""
+    moved = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _FILES)
     os.close(file)
-    return memory
+    return moved
 
 
 def _move_answers() -> None:

@@ -1,6 +1,8 @@
 """Real motions, and sandboxes to run functions in."""
 
+import gc
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -57,3 +59,28 @@ def function():
         return SandboxedFunction(name, role, check_source(code, entry="entry"))
 
     return make
+
+
+@pytest.fixture
+def several(function):
+    """One function of each role, and two quantities."""
+    return [
+        function(Role.SUCCESS, "return infos[-1]['object_position'][2] > 0.01", name="lifted"),
+        function(Role.FITNESS, "return info['object_position'][2]", name="height"),
+        function(Role.TIMESTAMP, "return infos[-1]", name="end"),
+        function(Role.TIMESTAMP, "return None", name="never"),
+        function(Role.QUANTITY, "return info['gripper_position'][:2]", name="xy"),
+        function(Role.QUANTITY, "return info['gripper_orientation']", name="rpy"),
+        function(Role.DESCRIPTOR, "return infos[0]['gripper_position']", name="start"),
+    ]
+
+
+@pytest.fixture
+def open_files():
+    """A function that counts the files that this process has open."""
+
+    def count():
+        gc.collect()
+        return len(list(Path("/proc/self/fd").iterdir()))
+
+    return count

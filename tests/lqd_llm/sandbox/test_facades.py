@@ -17,7 +17,13 @@ import pytest
 from lqd_llm import load_recording
 from lqd_llm.functions import ENTRIES
 from lqd_llm.sandbox import check_source
-from lqd_llm.sandbox.allowlist import BUILTINS, FACADE_NAMES, NUMPY_CREATORS
+from lqd_llm.sandbox.allowlist import (
+    BUILTINS,
+    FACADE_NAMES,
+    NUMPY_CREATORS,
+    NUMPY_SHAPERS,
+    TYPE_PLACES,
+)
 from lqd_llm.sandbox.facades import new_namespace
 
 CORPORA = Path(__file__).parent / "corpora"
@@ -159,7 +165,7 @@ def test_facade_holds_no_module(path):
     for name in FACADE_NAMES[path]:
         member = getattr(facade, name)
         assert not isinstance(member, types.ModuleType)
-        if name not in (*NUMPY_CREATORS, "linalg"):
+        if name not in (*NUMPY_CREATORS, *NUMPY_SHAPERS, "linalg"):
             assert member is getattr(real, name)
 
 
@@ -203,15 +209,107 @@ def test_a_line_of_numbers_may_come_with_its_step():
     assert step == 0.25
 
 
-def creator_globals():
-    return {"__builtins__": {"TypeError": TypeError}}
+LONELY = {
+    "__builtins__": {
+        "AttributeError": AttributeError,
+        "TypeError": TypeError,
+        "ValueError": ValueError,
+    }
+}
 
 
-@pytest.mark.parametrize("name", NUMPY_CREATORS)
-def test_creators_have_no_globals_of_use(name):
-    create = getattr(facade_of("np"), name)
+@pytest.mark.parametrize("name", [*NUMPY_CREATORS, *NUMPY_SHAPERS])
+def test_functions_of_ours_have_no_globals_of_use(name):
+    assert getattr(facade_of("np"), name).__globals__ == LONELY
 
-    assert create.__globals__ == creator_globals()
+
+def test_isinstance_takes_infos_for_dictionaries_and_has_no_globals_of_use(no_contact):
+    is_instance = new_namespace()["__builtins__"]["isinstance"]
+    info = read_only(no_contact[0])
+
+    assert is_instance.__globals__ == LONELY
+    kinds = [dict, (int, dict), dict | int, list, object, float]
+    assert [is_instance(info, kind) for kind in kinds] == [True, True, True, False, True, False]
+    assert is_instance(1.5, (float, str))
+    with pytest.raises(TypeError, match="arg 2 must be a type"):
+        is_instance(info, 1)
+
+
+SHAPED = {
+    "append": ([1.0], [2.0]), "array_split": ([1.0, 2.0], 2), "broadcast_to": ([1.0], (2, 1)),
+    "column_stack": ([[1.0], [2.0]],), "concatenate": ([[1.0], [2.0]],), "delete": ([1.0, 2.0], 0),
+    "dstack": ([[1.0], [2.0]],), "expand_dims": ([1.0], 0), "fliplr": ([[1.0, 2.0]],),
+    "hstack": ([[1.0], [2.0]],), "insert": ([1.0], 0, 2.0), "kron": ([1.0, 2.0], [3.0]),
+    "meshgrid": ([1.0], [2.0, 3.0]), "moveaxis": ([[1.0, 2.0]], 0, 1),
+    "pad": ([1.0], 2, "edge"), "repeat": ([1.0], 2), "reshape": ([1.0, 2.0], (2, 1)),
+    "roll": ([1.0, 2.0], 1), "rot90": ([[1.0, 2.0]],), "select": ([np.array([True])], [[2.0]]),
+    "split": ([1.0, 2.0], [1]), "stack": ([[1.0], [2.0]],), "swapaxes": ([[1.0, 2.0]], 0, 1),
+    "take": ([1.0, 2.0], 1), "tile": ([1.0], 2), "vstack": ([[1.0], [2.0]],),
+    "where": (np.array([True, False]), 1.0, 2.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NUMPY_SHAPERS)
+def test_other_shapes_are_those_of_numpy(name):
+    arguments = SHAPED.get(name, ([1.0, 2.0],))
+
+    assert repr(getattr(facade_of("np"), name)(*arguments)) == repr(getattr(np, name)(*arguments))
+
+
+@pytest.mark.parametrize("strange", ["now", {"a": 1}], ids=["text", "object"])
+# The others multiply, or choose between numbers, and take no texts and objects by themselves.
+@pytest.mark.parametrize("name", [name for name in NUMPY_SHAPERS if name not in ("kron", "select")])
+def test_other_shapes_hold_numbers_and_nothing_else(name, strange):
+    arguments = _with(strange, SHAPED.get(name, ([1.0, 2.0],)))
+
+    with pytest.raises(TypeError, match="an array can only hold numbers and truth values"):
+        getattr(facade_of("np"), name)(*arguments)
+
+
+def _with(strange, arguments):
+    """Put something in the place of the numbers of an array."""
+    if isinstance(arguments, float):
+        return strange
+    if isinstance(arguments, list | tuple):
+        return type(arguments)(_with(strange, part) for part in arguments)
+    return arguments
+
+
+def test_several_arrays_are_looked_at_one_by_one():
+    numpy = facade_of("np")
+
+    assert [part.tolist() for part in numpy.atleast_1d(1, 2.5)] == [[1], [2.5]]
+    assert numpy.where([False, True])[0].tolist() == [1]
+    with pytest.raises(TypeError, match="an array can only hold numbers and truth values"):
+        numpy.atleast_1d(1, "now")
+
+
+@pytest.mark.parametrize("how", ["place", "name"])
+def test_padding_shows_nothing_of_what_was_in_memory(how):
+    given = (
+        ((np.zeros(3), 4, "empty"), {}) if how == "place" else ((np.zeros(3), 4), {"mode": "empty"})
+    )
+
+    with pytest.raises(ValueError, match="leaves the new elements undefined"):
+        facade_of("np").pad(*given[0], **given[1])
+
+
+@pytest.mark.parametrize("name", sorted({*TYPE_PLACES, "sort", "unique", "diff", "add"}))
+@pytest.mark.parametrize("given", [["now"], [3, 4], [["now", "now"], ["now", "now"]]])
+def test_whatever_is_passed_for_a_type_no_array_of_times_comes_of_it(name, given):
+    texts = np.sort(given)
+    calls = [getattr(texts, name, None), getattr(facade_of("np"), name, None)]
+    for call, before in zip(calls, [(), (texts,)], strict=True):
+        for kind in ("M8", "M8[s]", "m8", "m8[s]", "datetime64"):
+            for axes in ((), (0,), (0, 0), (0, 0, 1)):
+                assert _kind_of(call, *before, *axes, kind) not in ("M", "V")
+
+
+def _kind_of(call, *arguments):
+    try:
+        return call(*arguments).dtype.kind
+    except (AttributeError, TypeError, ValueError, IndexError):
+        return ""
 
 
 def test_an_import_brings_nothing():
@@ -220,7 +318,7 @@ def test_an_import_brings_nothing():
 
     assert namespace["os"] is None
     assert namespace["numpy"] is None
-    assert namespace["__builtins__"]["__import__"].__globals__ == creator_globals()
+    assert namespace["__builtins__"]["__import__"].__globals__ == LONELY
 
 
 FIRST_CALLS = """

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lqd_llm.sandbox import layers as module
 from lqd_llm.sandbox import start
 from lqd_llm.sandbox.layers import LAYERS, probe_layers
 
@@ -104,6 +105,18 @@ def test_a_probe_notices_a_layer_that_is_not_there(layer):
         pytest.skip("only a superuser has capabilities to lose")
     said = _python(WITHOUT, layer)
     assert "it does not hold" in said.splitlines()[-1]
+
+
+def test_without_a_process_nothing_is_known_to_hold(monkeypatch):
+    def refuse(*_, **__):
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(module.subprocess, "run", refuse)
+
+    assert {layer.why_not for layer in probe_layers()} == {
+        "no process starts to try it ([Errno 11] Resource temporarily unavailable)"
+    }
+    assert not any(layer.active for layer in probe_layers())
 
 
 def test_what_a_worker_cannot_do():

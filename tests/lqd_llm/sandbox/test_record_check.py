@@ -1,3 +1,5 @@
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -79,6 +81,7 @@ def test_records_of_ours_are_read():
         (Role.SUCCESS, "numbers", 0.5, "a success other than true and false"),
         (Role.SUCCESS, "reason", Reason.NOT_TUPLE, "the reason 8 for a success"),
         (Role.FITNESS, "numbers", np.inf, "numbers that are not finite"),
+        (Role.FITNESS, "numbers", -sys.float_info.max, "a fitness as large as no mean may be"),
         (Role.FITNESS, "length", 2, "a fitness of another length"),
         (Role.TIMESTAMP, "numbers", 76.0, "a moment that there is not"),
         (Role.TIMESTAMP, "numbers", -1.0, "a moment that there is not"),
@@ -97,6 +100,20 @@ def test_a_record_that_no_worker_writes_is_refused(role, field, value, words):
     records = accepted()
     records[field][1, SLOT_ROLES.index(role)] = value
     with pytest.raises(SandboxError, match=words):
+        checked(records)
+
+
+@pytest.mark.parametrize(("length", "possible"), [(-1, 0), (0, 1), (1, 1), (2, 0), (5, 0), (6, 1)])
+def test_a_wrong_count_is_one_that_is_not_right(length, possible):
+    records = accepted()
+    slot = SLOT_ROLES.index(Role.QUANTITY)
+    records["reason"][:, slot], records["length"][:, slot] = Reason.WRONG_COUNT, length
+    if possible:
+        assert (
+            f"returned {length} numbers, not between 2 and 5" in checked(records).refusals[0].reason
+        )
+        return
+    with pytest.raises(SandboxError, match="a wrong count that is right or negative"):
         checked(records)
 
 

@@ -117,12 +117,30 @@ def test_a_call_finds_nothing_of_another_where_no_change_is_seen():
     assert [function(k) for k in range(3)] == [[0], [1], [2]]
 
 
+def test_what_python_notes_of_its_warnings_is_no_change():
+    code = "KEPT = [1.0]\ndef f(x):\n    return len(KEPT) + (np.nanmean([np.nan]) != 0)\n"
+    function = renewed(code)
+
+    # It notes them in the globals of the code that runs.
+    with pytest.warns(RuntimeWarning, match="Mean of empty slice"):
+        assert [function(k) for k in range(3)] == [2, 2, 2]
+
+
+def test_a_constant_that_python_warned_of_is_as_fixed_as_any():
+    with pytest.warns(RuntimeWarning, match="Mean of empty slice"):
+        namespace = defined("EMPTY = np.nanmean([np.nan])")
+
+    assert "__warningregistry__" in namespace
+    assert not can_be_changed(namespace)
+
+
 def test_in_the_sandbox(mugs, layout):
     bodies = {
         "counts": "kept = KEPT\n    kept.append(1)\n    return float(len(kept))",
         "tells late": "kept = KEPT\n    kept += [1]\n    return 0.0 if len(kept) < 500 else 1.0",
         "reads": "return KEPT[0] + info['gripper_position'][2]",
         "fails": "return KEPT[0] + info['nothing']",
+        "warns": "return KEPT[0] + float(np.nan_to_num(np.array([]).mean()))",
     }
     functions = [
         SandboxedFunction(
@@ -147,4 +165,5 @@ def test_in_the_sandbox(mugs, layout):
     assert results.fitness["reads"].tolist() == [
         math.fsum([1.0 + z for z in row]) / len(row) for row in heights
     ]
+    assert results.fitness["warns"].tolist() == [1.0] * motions
     assert np.isnan(results.fitness["tells late"]).all()

@@ -34,20 +34,6 @@ def marked(mugs):
     return columns
 
 
-@pytest.fixture
-def several(function):
-    """One function of each role, and two quantities."""
-    return [
-        function(Role.SUCCESS, "return infos[-1]['object_position'][2] > 0.01", name="lifted"),
-        function(Role.FITNESS, HEIGHT, name="height"),
-        function(Role.TIMESTAMP, "return infos[-1]", name="end"),
-        function(Role.TIMESTAMP, "return None", name="never"),
-        function(Role.QUANTITY, "return info['gripper_position'][:2]", name="xy"),
-        function(Role.QUANTITY, "return info['gripper_orientation']", name="rpy"),
-        function(Role.DESCRIPTOR, "return infos[0]['gripper_position']", name="start"),
-    ]
-
-
 def same(first, second):
     pairs = [(getattr(first, name), getattr(second, name)) for name in ARRAYS]
     return all(
@@ -271,6 +257,19 @@ def test_a_worker_killed_between_batches_is_replaced(several, mugs, layout):
     assert same(first, second)
 
 
+def files_of(pid):
+    return {int(file.name): str(file.readlink()) for file in Path(f"/proc/{pid}/fd").iterdir()}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells the files of a process")
+def test_a_worker_has_no_file_open_but_four(several, layout):
+    with Sandbox(layout, functions=several) as sandbox:
+        files = files_of(sandbox.worker_pid)
+    assert sorted(files) == [0, 1, 2, 3]
+    assert files.pop(1) == os.devnull
+    assert all(file.startswith("pipe:") for file in files.values())
+
+
 def test_a_worker_started_by_a_thread_that_ended_lives_on(several, mugs, layout):
     with Sandbox(layout, functions=several) as sandbox:
         os.kill(sandbox.worker_pid, signal.SIGKILL)
@@ -440,7 +439,7 @@ source = check_source("def f(infos):\\n    while True:\\n        pass\\n", entry
 layout = InfoLayout((InfoKey("flag", InfoKind.FLAG),))
 functions = [SandboxedFunction("f", Role.SUCCESS, source)]
 with Sandbox(layout, functions=functions, limits=Limits(cpu_seconds=600.0)) as sandbox:
-    print(sandbox.worker_pid, flush=True)
+    print(sandbox.worker_pid, sandbox._open.columns.file, flush=True)
     sandbox.run({"flag": np.zeros((1, 3), bool)})
 """
 
@@ -448,7 +447,8 @@ with Sandbox(layout, functions=functions, limits=Limits(cpu_seconds=600.0)) as s
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process of its parent")
 def test_a_busy_worker_dies_with_its_host():
     with subprocess.Popen([sys.executable, "-c", HOST], stdout=subprocess.PIPE, text=True) as host:
-        pid = int(host.stdout.readline())
+        pid, columns = map(int, host.stdout.readline().split())
+        files = sorted(files_of(pid))
         stat = Path(f"/proc/{pid}/stat")
         while "R" not in stat.read_text().rpartition(")")[2].split()[:1]:
             os.sched_yield()
@@ -457,3 +457,6 @@ def test_a_busy_worker_dies_with_its_host():
     while stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z":
         assert time.monotonic() < deadline
         os.sched_yield()
+    # The host had so few files open that the columns were where the worker has its answers.
+    assert columns == 3
+    assert files == [0, 1, 2, 3]

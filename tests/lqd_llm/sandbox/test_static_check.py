@@ -22,7 +22,9 @@ CORPORA = Path(__file__).parent / "corpora"
 STOPPED_LATER = {"annotation_evaluated", "math_prod_bomb", "pow_builtin_tower"}
 """Attacks that may be refused but pass, since what they do is lost or stopped when they run."""
 
-REFUSED_ALREADY = {"bidi_comment_trojan", "coding_cookie"}
+REFUSED_ALREADY = {
+    *("bidi_comment_trojan", "coding_cookie", "clock_by_item_of_durations", "value_duration"),
+}
 """Attacks that may run but are refused."""
 
 
@@ -76,6 +78,16 @@ def test_benign_code_passes(case):
         function("return np.add.reduce(info, axis=0, dtype=float)"),
         "def fitness(info):\n    def g():\n        yield 1\n    try:\n        return next(g())\n"
         "    except:\n        return 0\n",
+        "def fitness(info):\n    def g():\n        try:\n            yield 1\n"
+        "        except (KeyError, ValueError):\n            pass\n"
+        "        except np.linalg.LinAlgError:\n            pass\n    return sum(g())\n",
+        function("return np.divide(info, 2, out=np.zeros(3), where=info != 0)"),
+        function("out = info.astype(float)\n    return np.log(info, out=out, where=info > 0)"),
+        function("return np.mean(info, where=info > 0) + info.sum(where=True)"),
+        function("return np.maximum.reduce(info, initial=0, where=info > 0)"),
+        "def g(x, where):\n    return x[where]\n\ndef fitness(info):\n"
+        "    return g(info, where='a')\n",
+        function("return np.sum(info, 0, float) + info.mean(0, None) + info.trace(0, 0, 1, int)"),
     ],
 )
 def test_what_honest_code_does_passes(code):
@@ -134,6 +146,27 @@ def test_attack_is_refused_when_it_should_be(case):
             5,
             "an except in a generator must name its exceptions",
         ),
+        (
+            "def fitness(info):\n    def g():\n        try:\n            yield 1\n"
+            "        except KeyError:\n            pass\n        except (ValueError, fitness(1)):\n"
+            "            pass\n",
+            7,
+            "an except in a generator must name its exceptions",
+        ),
+        (
+            function("return np.add(info, 1,\n        where=info > 0)"),
+            3,
+            "where= leaves the other elements undefined: say what they shall be with out=",
+        ),
+        (
+            function("return np.pad(info, 1,\n        mode='empty')"),
+            3,
+            "the mode 'empty' leaves the new elements undefined; use 'constant'",
+        ),
+        (function("return np.sum(info, 0, info)"), 2, "the elements of an array can only be"),
+        (function("return info.sum(0, 'O')"), 2, "the elements of an array can only be"),
+        (function("return np.trace(info, 0, 0, 1, 'O')"), 2, "the elements of an array can only"),
+        (function("return np.sum(*info)"), 2, "the arguments of sum must be written out"),
     ],
 )
 def test_refusal_says_line_and_reason(code, line, reason):
