@@ -1,7 +1,8 @@
 """The author of the functionals: prompts, models and recordings that answer, checks and repairs.
 
 What a model wrote is text here. It runs in `lqd_llm.sandbox`, a locked process of its own, and
-never in the user's.
+never in the user's. (The project's tests and one benchmark also run the recordings that ship as
+plain Python, to compare.)
 
 The recordings that ship with the package are replies of a real Claude model, unedited. They were
 taken outside the API, so there is no request id, no usage and no exact model name. Each kind was

@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from lqd_llm.errors import ReplyError
+from lqd_llm.model_options import MOST_TOKENS
 from lqd_llm.reply import Reply
 from lqd_llm.request import Request
 from lqd_llm.usage import Usage, answer_usage
@@ -116,9 +117,10 @@ def _check_stop_reason(answer: Answer, *, request: Request) -> None:
         return
     if reason in _CUT:
         limit = request.options.max_tokens
+        advice = "raise max_tokens or " if limit < MOST_TOKENS else ""
         raise ReplyError(
-            f"{_the_reply(request)} was cut at the limit of {limit:,} tokens; raise max_tokens or "
-            "lower the effort."
+            f"{_the_reply(request)} was cut at the limit of {limit:,} tokens; {advice}lower the "
+            "effort."
             if reason == "max_tokens"
             else f"{_the_reply(request)} was cut because the model can hold no more; ask a model "
             "with a larger context window."

@@ -4,6 +4,7 @@ from anthropic import (
     Anthropic,
     AnthropicError,
     APIConnectionError,
+    APIError,
     APIStatusError,
     APITimeoutError,
 )
@@ -47,13 +48,13 @@ def what_happened(error: AnthropicError, *, request: Request, client: Anthropic)
     elif isinstance(error, APITimeoutError):
         sentence = (
             f"The Anthropic API did not answer the {request.subject} prompt within "
-            f"{request.options.timeout:g} seconds{_tries(request)}; try again or raise the timeout."
+            f"{request.options.timeout:g} seconds{_tries(error)}; try again, or lower the effort."
         )
     elif isinstance(error, APIConnectionError):
         # Its cause may quote the headers, and with them the key, so only the kind of it is told.
         cause = f" ({type(error.__cause__).__name__})" if error.__cause__ else ""
         sentence = (
-            f"The connection to {client.base_url.host} failed{cause}{_tries(request)}; check the "
+            f"The connection to {client.base_url.host} failed{cause}{_tries(error)}; check the "
             "network, any proxy and ANTHROPIC_BASE_URL, and try again."
         )
     else:
@@ -77,14 +78,14 @@ def _status(error: APIStatusError, *, request: Request) -> str:
         413: f"The {subject} prompt is too large for the Anthropic API{said}; shorten the "
         "instruction.",
         429: f"The Anthropic API refused the {subject} prompt because of a rate limit"
-        f"{_tries(request)}{said}; {_wait(error)}.",
-        529: f"The Anthropic API is overloaded{_tries(request)}{said}; try again in some minutes.",
+        f"{_tries(error)}{said}; {_wait(error)}.",
+        529: f"The Anthropic API is overloaded{_tries(error)}{said}; try again in some minutes.",
     }
     if status in sentences:
         return sentences[status]
     if status >= 500:
         return (
-            f"The Anthropic API failed with status {status}{_tries(request)}{said}; try again in "
+            f"The Anthropic API failed with status {status}{_tries(error)}{said}; try again in "
             "some minutes, and see https://status.claude.com."
         )
     return f"The Anthropic API answered the {subject} prompt with status {status}{said}; try again."
@@ -95,10 +96,13 @@ def _wait(error: APIStatusError) -> str:
     return f"try again in {seconds} seconds" if seconds.isdigit() else "try again in a minute"
 
 
-def _tries(request: Request) -> str:
-    """Say how often it was tried, where it was tried more than once."""
-    retries = request.options.max_retries
-    return f", {retries + 1} times in a row" if retries else ""
+def _tries(error: APIError) -> str:
+    """Say how often it was tried, where it was tried more than once; the SDK says so in a header.
+
+    That is not always as often as it may be: the API can say that another try is in vain.
+    """
+    retries = error.request.headers.get("x-stainless-retry-count", "")
+    return f", {int(retries) + 1} times in a row" if retries.isdigit() and int(retries) else ""
 
 
 def _said(error: APIStatusError) -> str:

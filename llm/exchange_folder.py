@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -110,6 +111,22 @@ class ExchangeFolder:
                 f"({error.strerror or error}); make room there or name another folder."
             ) from error
 
+    def require_writable(self) -> None:
+        """See whether answers can be written here, before one is paid for; it leaves no trace.
+
+        Raises:
+            RecordingError: They cannot.
+        """
+        there = next(path for path in (self.path, *self.path.absolute().parents) if path.exists())
+        try:
+            with TemporaryFile(dir=there):
+                pass
+        except OSError as error:
+            raise RecordingError(
+                f"Expected a folder that answers can be written to, but {self.path} is none "
+                f"({error.strerror or error}); make room there or name another folder."
+            ) from error
+
     def exchanges(self) -> Iterator[KeptExchange]:
         """Yield all exchanges by file name, those that were moved aside included.
 
@@ -188,7 +205,7 @@ def _read(path: Path) -> KeptExchange:
         raise _malformed(path, f"since it is not JSON ({error})") from error
     except ModelOptionsError as error:
         raise _malformed(path, f"at sent: {error}") from error
-    if not path.name.startswith(request.key):
+    if form.key != request.key or not path.name.startswith(request.key):
         raise _malformed(path, f"since what was sent has the key {request.key}")
     received = form.received
     answer = Answer(

@@ -14,6 +14,9 @@ MakeFunction: TypeAlias = Callable[[FunctionSource, str, str], InferredFunction]
 """Makes a function of its source, its kind and the name of the function in its code that is called.
 It raises `FunctionError` where the function cannot be used."""
 
+# Of functions that cannot be used, where a reply holds very many.
+_MOST_TOLD = 5
+
 
 @dataclass(frozen=True)
 class FunctionChoice:
@@ -89,6 +92,8 @@ def choose_direct(reply: Reply, *, make: MakeFunction) -> FunctionChoice:
 
 
 def _nothing_left(wanted: str, reply: Reply, *, dropped: list[str]) -> str:
-    names = ", ".join(source.name for source in reply.functions) or "an empty reply"
+    names = ", ".join(source.name for source in reply.functions[:_MOST_TOLD]) or "an empty reply"
+    more = len(reply.functions) - _MOST_TOLD
+    names += f" and {more} more" if more > 0 else ""
     sentence = f"Expected {wanted} that can be used, got none out of {names}; take another sample."
-    return " ".join([sentence, *dropped])
+    return " ".join([sentence, *dropped[:_MOST_TOLD]])

@@ -6,13 +6,14 @@ from pathlib import Path
 
 from lqd_envs.perception import PerceptionSchema
 from lqd_llm.check import Candidate, CheckFunction, CheckOutcome
+from lqd_llm.errors import FunctionError
 from lqd_llm.function_choice import candidates_of
 from lqd_llm.functions import InferredFunction
 from lqd_llm.inferred_functionals import InferredFunctionals
 from lqd_llm.inquiry import Inquiry
 from lqd_llm.keeping_provider import KeepingProvider
 from lqd_llm.model_options import ModelOptions
-from lqd_llm.prompts import KINDS, prompt_hash, render_prompt, render_system
+from lqd_llm.prompts import COUNTS, KINDS, prompt_hash, render_prompt, render_system
 from lqd_llm.provider import Provider
 from lqd_llm.repair import CheckedFunction, repair
 from lqd_llm.reply import FunctionSource, Reply
@@ -32,9 +33,10 @@ def infer(
     """Ask for all functionals of a task, check them, and have repaired those that fail.
 
     Each kind is asked in one request, since it is within a reply that functions are sampled without
-    replacement. Then all functions are checked in one call. One that fails is repaired up to
-    `MAX_REPAIRS` times and checked again, alone; one that still fails is dropped and reported, as
-    is one beyond the number that was asked for.
+    replacement. Then as many of each as were asked for are checked, all in one call. One that
+    fails is repaired up to `MAX_REPAIRS` times and checked again, alone; one that still fails is
+    dropped and reported. One beyond the number that was asked for stands in for it if it passes
+    as it is; it is not repaired, so that repairs stay few however long a reply is.
 
     Nothing that the model wrote is run here: that is for `check` to do, in the sandbox.
 
@@ -111,6 +113,11 @@ class _Maker:
         if outcome is None:
             # It stands in for one that failed, so nobody has looked at it yet.
             (outcome,) = self._check([candidate])
+            if outcome.failure is not None:
+                raise FunctionError(
+                    f"The {kind} function {source.name!r} is not used: it fails its check "
+                    f"({outcome.failure}), and only the first {COUNTS[kind]} are repaired."
+                )
         checked = repair(
             candidate,
             outcome,

@@ -1,5 +1,6 @@
 """Keeping every answer as soon as it comes, and never asking for it twice."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from lqd_llm.answer import Answer
@@ -9,7 +10,7 @@ from lqd_llm.request import Request
 
 
 class KeepingProvider:
-    """Asks another provider, and keeps what it answers in a folder.
+    """Asks another provider, and keeps what it answers in one folder or several.
 
     Over a `LiveProvider` and a folder of recordings it takes recordings, which a `ReplayProvider`
     finds there. Over any provider and the folder of a run it keeps the run's transcript, from which
@@ -22,22 +23,32 @@ class KeepingProvider:
     Args:
         provider: What is asked where the folder has no answer.
         folder: The folder; it is made when the first answer comes.
+        copies: Other folders that hold the same: what one of them lacks is written there too, after
+            `folder` has it.
     """
 
-    def __init__(self, provider: Provider, *, folder: Path) -> None:
+    def __init__(self, provider: Provider, *, folder: Path, copies: Sequence[Path] = ()) -> None:
         self._provider = provider
-        self._folder = ExchangeFolder(folder)
+        self._folders = [ExchangeFolder(path) for path in (folder, *copies)]
 
     def ask(self, request: Request) -> Answer:
         """Return the kept answer to a request, or ask and keep what is answered.
 
         Raises:
             ProviderError: The model could not be asked, or gave no answer.
-            RecordingError: An answer cannot be read from the folder or written to it.
+            RecordingError: An answer cannot be read from a folder or written to it. Whether it can
+                be written is tried before the other provider is asked, which may cost money.
         """
-        kept = self._folder.find(request)
-        if kept is not None and is_usable(kept):
-            return kept.answer
-        answer = self._provider.ask(request)
-        self._folder.write(request, answer)
+        kept = {}
+        for folder in self._folders:
+            exchange = folder.find(request)
+            if exchange is not None and is_usable(exchange):
+                kept[folder] = exchange.answer
+        lacking = [folder for folder in self._folders if folder not in kept]
+        if not kept:
+            for folder in lacking:
+                folder.require_writable()
+        answer = next(iter(kept.values())) if kept else self._provider.ask(request)
+        for folder in lacking:
+            folder.write(request, answer)
         return answer

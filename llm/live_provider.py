@@ -4,7 +4,7 @@ import json
 from types import TracebackType
 from typing import Self
 
-from anthropic import Anthropic, AnthropicError
+from anthropic import Anthropic, AnthropicError, DefaultHttpxClient
 from anthropic.types import (
     AssistantMessageParam,
     MessageParam,
@@ -16,6 +16,7 @@ from anthropic.types import (
 from lqd_llm.answer import Answer
 from lqd_llm.api_fault import missing_key, unusable_key, what_happened
 from lqd_llm.errors import ProviderError
+from lqd_llm.model_options import MOST_TOKENS
 from lqd_llm.request import Request
 
 _PROVENANCE = (
@@ -34,7 +35,8 @@ class LiveProvider:
             that finds its key as the Anthropic SDK does, first in `ANTHROPIC_API_KEY`.
 
     Raises:
-        ProviderError: The SDK cannot load the credentials that its settings name.
+        ProviderError: The SDK cannot load the credentials that its settings name, or the connection
+            cannot be set up.
     """
 
     def __init__(self, client: Anthropic | None = None) -> None:
@@ -44,23 +46,22 @@ class LiveProvider:
         """Ask the model, and ask again after faults that pass, as the request's options say.
 
         Raises:
-            ProviderError: There is no answer. The message says what happened and what to do, and
-                never holds the key.
+            ProviderError: There is no answer, or more tokens are asked for than one can bring. The
+                message says what happened and what to do, and never holds the key.
         """
-        problem = unusable_key(self._client)
-        if problem is not None:
-            raise ProviderError(problem)
-        try:
-            return self._ask(request)
-        # The errors of the SDK hold the request with its headers, so they are not handed on.
-        except AnthropicError as error:
-            raise ProviderError(
-                what_happened(error, request=request, client=self._client)
-            ) from None
-        except TypeError:
-            if not _has_no_key(self._client):
-                raise
-            raise ProviderError(missing_key()) from None
+        problem = unusable_key(self._client) or _too_long(request)
+        if problem is None:
+            try:
+                return self._ask(request)
+            except AnthropicError as error:
+                problem = what_happened(error, request=request, client=self._client)
+            except TypeError:
+                if not _has_no_key(self._client):
+                    raise
+                problem = missing_key()
+        # Only here, since the errors of the SDK hold the request with its headers, and an error
+        # that is raised while another is handled hands that one on.
+        raise ProviderError(problem)
 
     def close(self) -> None:
         """Close the connections."""
@@ -97,12 +98,35 @@ class LiveProvider:
 
 def _default_client() -> Anthropic:
     try:
-        return Anthropic()
-    except AnthropicError as error:
-        raise ProviderError(
-            f"The credentials for the Anthropic API cannot be loaded ({type(error).__name__}); set "
-            "ANTHROPIC_API_KEY to a key from https://platform.claude.com."
-        ) from None
+        # As the SDK makes its own, which complains on its own where that fails.
+        connections = DefaultHttpxClient()
+    except (OSError, ValueError) as error:
+        # A proxy may be named with its password, so only the kind of the error is told.
+        why = error.strerror if isinstance(error, OSError) else None
+        problem = (
+            "The connection to the Anthropic API cannot be set up "
+            f"({why or type(error).__name__}); check SSL_CERT_FILE, SSL_CERT_DIR and any proxy."
+        )
+    else:
+        try:
+            return Anthropic(http_client=connections)
+        except AnthropicError as error:
+            connections.close()
+            problem = (
+                f"The credentials for the Anthropic API cannot be loaded ({type(error).__name__}); "
+                "set ANTHROPIC_API_KEY to a key from https://platform.claude.com."
+            )
+    raise ProviderError(problem)
+
+
+def _too_long(request: Request) -> str | None:
+    asked = request.options.max_tokens
+    if asked <= MOST_TOKENS:
+        return None
+    return (
+        f"Expected max_tokens of at most {MOST_TOKENS:,}, about what comes within ten minutes, but "
+        f"got {asked:,}; lower it, and the effort where replies are cut."
+    )
 
 
 def _has_no_key(client: Anthropic) -> bool:

@@ -12,6 +12,10 @@ DEFAULT_MODEL = "claude-opus-5-5"
 Effort: TypeAlias = Literal["low", "medium", "high", "xhigh", "max"]
 """How much effort a model can be told to put into its reply."""
 
+MOST_TOKENS = 21_333
+"""Most tokens that a model can be asked for: about as many as come within ten minutes. What takes
+longer, the Anthropic SDK asks for in a stream only, since connections that are silent get lost."""
+
 EFFORTS: tuple[Effort, ...] = get_args(Effort)
 """All efforts, from the least to the most."""
 
@@ -27,8 +31,8 @@ class ModelOptions:
         model: Name of the model, as the Anthropic API knows it.
         effort: One of `EFFORTS`, or None for the model's own default. Not every model takes every
             effort.
-        max_tokens: Most tokens of a reply, those spent on thinking included. The default is several
-            times what replies take, and about the most that is sure to arrive within ten minutes.
+        max_tokens: Most tokens of a reply, those spent on thinking included; a model is asked for
+            at most `MOST_TOKENS`. The default is several times what replies take.
         timeout: Longest wait for a reply, in seconds; each retry waits as long again.
         max_retries: How often a request is sent again after a rate limit, an overload, a fault of
             the server, a dropped connection or a time-out. The waits between them are those that

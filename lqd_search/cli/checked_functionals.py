@@ -78,10 +78,9 @@ def infer_functionals(
     """
     with llm_extra():
         from lqd_llm import ExchangeFolder, infer
-    if not instruction.strip():
-        raise LQDError("Expected an instruction of at least one word, but it is empty; say it.")
+    _require_text(instruction)
     options = llm.model_options()
-    with llm.provider() as provider:
+    with llm.provider(transcript=transcript) as provider:
         check = _function_check(task, threads=threads, allow_weak=allow_weak)
         if llm.asks_a_model:
             check.require_sandbox()
@@ -92,7 +91,6 @@ def infer_functionals(
             check=check.check,
             options=options,
             sample=sample,
-            transcript=transcript,
         )
     return CheckedFunctionals(
         texts=tuple(_texts(inferred)),
@@ -140,6 +138,18 @@ def check_functionals(
         },
         remarks=remarks(zip(candidates, outcomes, strict=True)),
     )
+
+
+def _require_text(instruction: str) -> None:
+    if not instruction.strip():
+        raise LQDError("Expected an instruction of at least one word, but it is empty; say it.")
+    try:
+        instruction.encode()
+    except UnicodeEncodeError as error:
+        raise LQDError(
+            "Expected an instruction in UTF-8, but its character "
+            f"{error.start + 1} is {instruction[error.start]!a}; type it anew."
+        ) from error
 
 
 def _function_check(task: Task, *, threads: int, allow_weak: bool) -> "FunctionCheck":

@@ -24,6 +24,7 @@ REPLAY, RECORD, LIVE = MODES = ("replay", "record", "live")
 EFFORTS = ("low", "medium", "high", "xhigh", "max")
 _MODEL = "claude-opus-5-5"
 _MAX_TOKENS = 20_000
+MOST_TOKENS = 21_333
 _RECORDINGS = Path("recordings")
 
 
@@ -37,7 +38,8 @@ class LLMOptions:
             writes it. None: those that ship alone, or the folder `recordings`.
         model: Name of the model.
         effort: One of `EFFORTS`, or None for the model's own default.
-        max_tokens: Most tokens of a reply.
+        max_tokens: Most tokens of a reply, at most `MOST_TOKENS`.
+        given: Which of `model`, `effort` and `max_tokens` the user has chosen, by these names.
     """
 
     mode: Mode = "replay"
@@ -45,6 +47,7 @@ class LLMOptions:
     model: str = _MODEL
     effort: str | None = None
     max_tokens: int = _MAX_TOKENS
+    given: tuple[str, ...] = ()
 
     @property
     def asks_a_model(self) -> bool:
@@ -63,32 +66,48 @@ class LLMOptions:
         return ModelOptions(model=self.model, effort=effort, max_tokens=self.max_tokens)
 
     @contextmanager
-    def provider(self) -> "Iterator[Provider]":
+    def provider(self, *, transcript: Path | None = None) -> "Iterator[Provider]":
         """Open what answers, and close it in the end.
 
+        Args:
+            transcript: Folder in which every answer is kept as soon as it comes, before it becomes
+                a recording; answers that are there already are used.
+
         Raises:
-            LQDError: The extra `llm` is not installed, the folder of recordings is not there, or
-                the credentials cannot be loaded.
+            LQDError: The extra `llm` is not installed, an option would not be heeded, the folder of
+                recordings is not there, or the credentials cannot be loaded.
         """
         self._check()
         with llm_extra():
-            from lqd_llm import KeepingProvider, ReplayProvider
+            from lqd_llm import KeepingProvider
+        folders = [transcript] if transcript else []
+        if self.mode == RECORD:
+            folders.append(self.recordings or _RECORDINGS)
+        with self._answering() as provider:
+            if folders:
+                yield KeepingProvider(provider, folder=folders[0], copies=folders[1:])
+            else:
+                yield provider
+
+    @contextmanager
+    def _answering(self) -> "Iterator[Provider]":
         if self.mode == REPLAY:
+            with llm_extra():
+                from lqd_llm import ReplayProvider
             yield ReplayProvider(self.recordings)
             return
         with llm_extra():
             from lqd_llm import LiveProvider
         with LiveProvider() as live:
-            if self.mode == RECORD:
-                yield KeepingProvider(live, folder=self.recordings or _RECORDINGS)
-            else:
-                yield live
+            yield live
 
     def asked(self) -> dict[str, Any]:
         """Return what decides the answers, as JSON can hold it."""
         return {"mode": self.mode, "model": self.model, "effort": self.effort}
 
     def _check(self) -> None:
+        if self.mode == REPLAY:
+            self._refuse_unheeded()
         if self.recordings is None:
             return
         if self.mode == LIVE:
@@ -102,6 +121,16 @@ class LLMOptions:
                 "recordings with `--llm record`, or leave --recordings out."
             )
 
+    def _refuse_unheeded(self) -> None:
+        # Own recordings are looked up by model and effort; those that ship answer whatever these.
+        heeded = () if self.recordings is None else ("model", "effort")
+        given = [f"--{n.replace('_', '-')}" for n in self.given if n not in heeded]
+        if given:
+            raise LQDError(
+                f"Expected {', '.join(given)} with --llm record or --llm live only, but got it "
+                "with --llm replay, which asks no model; leave it out."
+            )
+
 
 _OPTIONS = (
     click.option(
@@ -109,8 +138,8 @@ _OPTIONS = (
         type=click.Choice(MODES),
         default=REPLAY,
         show_default=True,
-        help="What answers the prompts: recordings of a language model; a model through the "
-        "Anthropic API, whose answers become recordings; or such a model.",
+        help="What answers the prompts: replay, recordings of a language model; record, a model "
+        "through the Anthropic API, whose answers become recordings; live, such a model.",
     ),
     click.option(
         "--recordings",
@@ -139,7 +168,7 @@ _OPTIONS = (
     ),
     click.option(
         "--max-tokens",
-        type=click.IntRange(min=1),
+        type=click.IntRange(min=1, max=MOST_TOKENS),
         default=_MAX_TOKENS,
         show_default=True,
         help="Most tokens of a reply, those spent on thinking included.",
@@ -147,7 +176,8 @@ _OPTIONS = (
 )
 
 # What the command is not handed one by one.
-_BUNDLED = ("recordings", "model", "effort", "max_tokens")
+_OF_A_MODEL = ("model", "effort", "max_tokens")
+_BUNDLED = ("recordings", *_OF_A_MODEL)
 
 
 def llm_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -159,8 +189,13 @@ def llm_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(command)
     def bundled(*arguments: Any, llm: Mode, **options: Any) -> Any:
         bundle = {name: options.pop(name) for name in _BUNDLED}
-        return command(*arguments, llm=LLMOptions(mode=llm, **bundle), **options)
+        return command(*arguments, llm=LLMOptions(llm, given=_given(), **bundle), **options)
 
     for option in reversed(_OPTIONS):
         bundled = option(bundled)
     return bundled
+
+
+def _given() -> tuple[str, ...]:
+    context, source = click.get_current_context(), click.core.ParameterSource.COMMANDLINE
+    return tuple(name for name in _OF_A_MODEL if context.get_parameter_source(name) is source)

@@ -18,7 +18,11 @@ _INTERRUPTED = 130
 )
 @click.version_option(package_name="lqd-envs")
 def lqd() -> None:
-    """Language-driven quality-diversity: from one sentence to many motions that do it."""
+    """Language-driven quality-diversity: from one sentence to many motions that do it.
+
+    The exit status is 0; 1 if nothing is found or something differs, as a command's help says; 2 if
+    what is asked cannot be done, which one sentence explains; 130 if it is stopped.
+    """
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -5,6 +5,7 @@ import pytest
 from lqd_envs.errors import LQDError
 from lqd_llm.answer import Answer, is_complete, read_reply
 from lqd_llm.errors import InferenceError, ReplyError
+from lqd_llm.model_options import MOST_TOKENS, ModelOptions
 
 FUNCTION = {"name": "a", "description": "", "code": "def fitness(info): return 0.0"}
 GOOD = json.dumps({"functions": [FUNCTION]})
@@ -65,6 +66,14 @@ def test_reply_that_was_cut(problem, words):
     )
     told = problem(words.message(GOOD, stop_reason="model_context_window_exceeded"))
     assert told.endswith("ask a model with a larger context window.")
+
+
+def test_reply_that_was_cut_at_the_largest_limit(words, ask):
+    request = ask(options=ModelOptions(max_tokens=MOST_TOKENS))
+    answer = Answer(words.message(GOOD[:30], stop_reason="max_tokens"), provenance="")
+
+    with pytest.raises(ReplyError, match=r"at the limit of 21,333 tokens; lower the effort\.$"):
+        read_reply(answer, request=request)
 
 
 @pytest.mark.parametrize("reason", ["tool_use", "pause_turn", None, 3])

@@ -76,6 +76,25 @@ def test_earlier_answers_are_moved_aside_and_still_counted(folder, words, ask):
     assert folder.usage().requests == 3
 
 
+def test_trying_whether_it_can_be_written_leaves_no_trace(folder, tmp_path):
+    folder.require_writable()
+    assert list(tmp_path.iterdir()) == []
+    folder.path.mkdir(parents=True)
+    folder.require_writable()
+    assert list(folder.path.iterdir()) == []
+
+
+def test_folder_that_cannot_be_written(tmp_path):
+    (tmp_path / "file").touch()
+
+    with pytest.raises(RecordingError) as caught:
+        ExchangeFolder(tmp_path / "file").require_writable()
+    assert str(caught.value) == (
+        f"Expected a folder that answers can be written to, but {tmp_path / 'file'} is none (Not a "
+        "directory); make room there or name another folder."
+    )
+
+
 def test_missing_folder_is_empty(folder, ask):
     assert folder.find(ask()) is None
     assert list(folder.exchanges()) == []
@@ -122,6 +141,10 @@ def limit(content):
     content["sent"]["max_tokens"] = 0
 
 
+def other_key(content):
+    content["key"] = "0" * 64
+
+
 def other_prompt(content):
     content["sent"]["messages"][0]["content"] = "Read"
 
@@ -134,6 +157,7 @@ def other_prompt(content):
         (sample_as_text, "at sent.sample: Input should be a valid integer"),
         (effort, "at sent.effort: Input should be 'low'"),
         (limit, "at sent: Expected max_tokens of at least 1"),
+        (other_key, "since what was sent has the key"),
         (other_prompt, "since what was sent has the key"),
     ],
 )

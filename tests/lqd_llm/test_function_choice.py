@@ -60,6 +60,16 @@ def test_kind_without_any_function_fails(kind):
     )
 
 
+def test_of_very_many_that_cannot_be_used_a_few_are_told():
+    with pytest.raises(InferenceError) as caught:
+        choose_functions(reply_of(*[f"bad_{k}" for k in range(60)]), kind="fitness", make=make)
+
+    told = str(caught.value)
+    assert "got none out of bad_0, bad_1, bad_2, bad_3, bad_4 and 55 more; take another" in told
+    assert told.endswith(" The fitness function 'bad_4' is bad.")
+    assert len(told) < 400
+
+
 def test_empty_reply_fails():
     with pytest.raises(InferenceError) as caught:
         choose_functions(reply_of(), kind="timestamps", make=make)

@@ -231,6 +231,30 @@ def test_function_beyond_the_number_stands_in_for_one_that_fails(faucet, scripte
     assert [sentence.split("'")[1] for sentence in functionals.dropped] == ["two", "late"]
 
 
+def test_repairs_stay_few_however_long_a_reply_is(faucet, scripted, words):
+    names = [f"f{k}" for k in range(60)]
+
+    def reply(request):
+        if request.attempt:
+            return words.reply_text(("any", "def fitness(info): return 0"))
+        if request.subject == "fitness":
+            return words.reply_text(*[(name, f"def fitness(info): {name}") for name in names])
+        return words.recorded_reply(request.messages[0].text)
+
+    model = scripted(reply)
+    with pytest.raises(InferenceError, match="got none out of f0, f1, f2, f3, f4 and 55 more"):
+        run(faucet, model, check=fails(*names))
+    assert len(model.requests) == 5 + 3 * 3
+
+    functionals = run(faucet, model, check=fails(*names[:40]))
+    assert [f.name for f in functionals.fitness] == ["f40", "f41", "f42"]
+    assert functionals.dropped[2].startswith("The fitness function 'f2' is not used: it still fail")
+    assert functionals.dropped[3] == (
+        "The fitness function 'f3' is not used: it fails its check (KeyError in line 2: no such "
+        "key), and only the first 3 are repaired."
+    )
+
+
 def test_lengths_and_remarks_are_those_of_the_functions_that_are_used(faucet, scripted, words):
     recorded = run(faucet, ReplayProvider())
     first, second = (f.name for f in recorded.quantities[:2])

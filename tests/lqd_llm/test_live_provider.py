@@ -12,7 +12,7 @@ from lqd_envs.errors import LQDError
 from lqd_llm.answer import read_reply
 from lqd_llm.errors import InferenceError, ProviderError, ReplyError
 from lqd_llm.live_provider import LiveProvider
-from lqd_llm.model_options import ModelOptions
+from lqd_llm.model_options import MOST_TOKENS, ModelOptions
 from lqd_llm.request import Turn, reply_schema
 
 KEY = "sk-ant-test-0123456789"
@@ -35,6 +35,8 @@ def fail(live, ask):
         with pytest.raises(ProviderError) as caught:
             provider.ask(ask(options=ModelOptions(**options)))
         told = "".join(traceback.format_exception(caught.value))
+        # The errors of the SDK hold the key in the headers of their request.
+        assert caught.value.__context__ is None
         assert KEY not in told
         assert "sk-" not in told
         sentence = str(caught.value)
@@ -94,11 +96,23 @@ def test_effort_is_left_out_by_default(api, live, ask, words):
     assert set(api.bodies[0]["output_config"]) == {"format"}
 
 
-def test_large_limit_needs_no_streaming(api, live, ask, words):
+def test_largest_limit_needs_no_streaming(api, live, ask, words):
     api.script.append(good(api, words))
-    live.ask(ask(options=ModelOptions(max_tokens=128_000)))
+    live.ask(ask(options=ModelOptions(max_tokens=MOST_TOKENS)))
 
-    assert api.bodies[0]["max_tokens"] == 128_000
+    assert api.bodies[0]["max_tokens"] == MOST_TOKENS == 21_333
+    # As the SDK reckons, which refuses more where it may choose the time-out.
+    live._client._calculate_nonstreaming_timeout(MOST_TOKENS, None)
+    with pytest.raises(ValueError, match="Streaming is required"):
+        live._client._calculate_nonstreaming_timeout(MOST_TOKENS + 1, None)
+
+
+def test_larger_limit_is_not_asked_for(api, fail):
+    assert fail(max_tokens=MOST_TOKENS + 1) == (
+        "Expected max_tokens of at most 21,333, about what comes within ten minutes, but got "
+        "21,334; lower it, and the effort where replies are cut."
+    )
+    assert api.bodies == []
 
 
 def test_rate_limit_is_waited_out(api, live, ask, words, sleeps):
@@ -136,6 +150,20 @@ def test_rate_limit_without_end(api, fail, sleeps):
     )
     assert sleeps == [30.0, 30.0]
     assert len(api.bodies) == 3
+
+
+def test_fault_that_the_api_says_will_stay_is_not_said_to_be_tried_again(api, fail, sleeps):
+    no_more = {"x-should-retry": "false", "retry-after": "30"}
+    again = {"x-should-retry": "true", "retry-after": "1"}
+    api.script.extend([error(api, 429, **no_more), error(api, 429, **again)])
+    api.answer = lambda _: error(api, 429, **no_more)
+
+    assert fail() == (
+        "The Anthropic API refused the fitness prompt because of a rate limit ('Something is "
+        "wrong', request req_1); try again in 30 seconds."
+    )
+    assert ", 2 times in a row ('Something" in fail()
+    assert sleeps == [1.0]
 
 
 def test_rate_limit_that_names_no_time(api, fail):
@@ -250,6 +278,26 @@ def test_credentials_that_cannot_be_loaded(monkeypatch):
         LiveProvider()
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "why"),
+    [
+        ("SSL_CERT_FILE", "/nonexistent", "No such file or directory"),
+        ("HTTPS_PROXY", "ftp://user:secret@host", "ValueError"),
+    ],
+)
+def test_connection_that_cannot_be_set_up(monkeypatch, name, value, why):
+    monkeypatch.setenv("ANTHROPIC_API_KEY", KEY)
+    monkeypatch.setenv(name, value)
+
+    with pytest.raises(ProviderError) as caught:
+        LiveProvider()
+    assert str(caught.value) == (
+        f"The connection to the Anthropic API cannot be set up ({why}); check SSL_CERT_FILE, "
+        "SSL_CERT_DIR and any proxy."
+    )
+    assert caught.value.__context__ is None
+
+
 def test_other_type_errors_are_not_hidden(live, ask, monkeypatch):
     def broken(**_):
         raise TypeError("a mistake of ours")
@@ -263,8 +311,8 @@ def test_server_that_never_answers(api, fail):
     api.answer = lambda _: api.response(fault="silent")
 
     assert fail(timeout=0.1, max_retries=0) == (
-        "The Anthropic API did not answer the fitness prompt within 0.1 seconds; try again or "
-        "raise the timeout."
+        "The Anthropic API did not answer the fitness prompt within 0.1 seconds; try again, or "
+        "lower the effort."
     )
 
 

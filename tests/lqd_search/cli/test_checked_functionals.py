@@ -84,6 +84,30 @@ def test_inferred_functionals(inferred):
     assert inferred.usage.unreported == 5
 
 
+@pytest.mark.parametrize(
+    ("instruction", "told"),
+    [
+        (" ", "Expected an instruction of at least one word, but it is empty; say it."),
+        (
+            "Open \udcff",
+            "Expected an instruction in UTF-8, but its character 6 is '\\udcff'; type it anew.",
+        ),
+    ],
+)
+def test_instruction_that_cannot_be_asked(instruction, told):
+    with pytest.raises(LQDError) as caught:
+        infer_functionals(
+            TASK,
+            llm=LLMOptions(),
+            instruction=instruction,
+            sample=0,
+            threads=1,
+            allow_weak=False,
+            transcript=None,
+        )
+    assert str(caught.value) == told
+
+
 def test_a_folder_gives_what_was_inferred(inferred, tmp_path, examples):
     write_functionals(tmp_path, inferred.texts)
     checked = check(read_functionals(tmp_path))

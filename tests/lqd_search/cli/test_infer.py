@@ -94,6 +94,34 @@ def test_replay_shows_every_function_and_writes_nothing(call, recorded, tmp_path
     assert not list(tmp_path.iterdir())
 
 
+def test_recordings_that_cannot_be_written_are_told_before_anything_is_asked(live, api, tmp_path):
+    (tmp_path / "file").touch()
+    status, _, err = live("--llm", "record", "--recordings", "file/recordings")
+
+    assert (status, api.bodies) == (2, [])
+    assert "that answers can be written to, but file/recordings is none (Not a directory)" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_what_cannot_become_a_recording_is_paid_for_once(live, api, tmp_path):
+    api.answer, answer = lambda body: _then_full(answer(body), tmp_path), api.answer
+    status, _, err = live("--llm", "record")
+    assert (status, len(api.bodies)) == (2, 1)
+    assert "cannot be written to recordings" in err
+    (tmp_path / "recordings").unlink()
+
+    status, _, _ = live("--llm", "record")
+    assert (status, len(api.bodies)) == (0, 5)
+    assert len(list((tmp_path / "recordings").iterdir())) == 5
+
+
+def _then_full(response, folder):
+    """Put a file where the recordings are to be, while the model thinks."""
+    if not (folder / "recordings").exists():
+        (folder / "recordings").touch()
+    return response
+
+
 @pytest.mark.usefixtures("no_network")
 def test_folder_that_is_written(call, recorded, tmp_path):
     out = tmp_path / "some" / "folder"

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from lqd_search.cli.commands import COMMANDS
+from lqd_search.cli.main import lqd
 
 
 @pytest.mark.parametrize(
@@ -71,4 +72,17 @@ def test_a_run_folder_of_another_layout_is_refused(call, tmp_path):
         status, out, err = call(*command)
 
         assert (status, out) == (2, "")
-        assert re.fullmatch(r"lqd: Expected the layout 4 in \S+, got 1; read it with [^\n]+\n", err)
+        assert re.fullmatch(r"lqd: Expected the layout 4 in \S+, got 1; run the [^\n]+\n", err)
+
+
+def test_the_help_names_the_exit_statuses(call):
+    _, out, _ = call("--help")
+
+    assert "exit status is 0; 1 if nothing is found or something differs" in " ".join(out.split())
+
+
+@pytest.mark.parametrize("command", ["run", "infer", "adapt", "doctor"])
+def test_no_number_of_threads_is_one_for_each_cpu(command):
+    (threads,) = [p for p in lqd.get_command(None, command).params if p.name == "threads"]
+
+    assert (threads.type.min, threads.default) == (0, 0)

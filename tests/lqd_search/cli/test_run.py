@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lqd_envs import rollout
+from lqd_envs import LQDError, rollout
 from lqd_search.cli.run import default_batch_size
+from lqd_search.cli.run_functionals import FunctionalsSource
 from lqd_search.methods.by_name import METHODS
 from lqd_search.runs.function_text import FUNCTION_KINDS
 from lqd_search.runs.run_folder import RunFolder
@@ -100,19 +101,60 @@ def test_an_out_with_too_long_a_name_is_refused(call, tmp_path):
 def test_the_examples_are_simulated_on_the_threads_asked_for(call, tmp_path, monkeypatch):
     asked = []
 
-    def noting(task, solutions, *, threads=0):
+    def noting(*_, threads):
         asked.append(threads)
-        return rollout(task, solutions, threads=threads)
+        raise LQDError("that was all")
 
     monkeypatch.setattr("lqd_search.cli.checked_functionals.rollout", noting)
-    # The batch size is refused after the examples and before the search.
-    status, _, _ = call(
-        "run", "LQD/Faucet-v0", "--evaluations", 20, "--batch-size", 2, "--threads", 3,
-        "--out", tmp_path / "run",
-    )  # fmt: skip
+    status, _, err = call("run", "LQD/Faucet-v0", "--threads", 3, "--out", tmp_path / "run")
 
-    assert status == 2
+    assert (status, err) == (2, "lqd: that was all\n")
     assert asked == [3]
+
+
+@pytest.mark.parametrize(
+    ("method", "size", "message"),
+    [
+        ("ours", (10,), "a tenth of 10 makes 1 of 1; spend at least 20 evaluations"),
+        ("ours_plus", (100, "--batch-size", 64), "use a batch size of at most 5"),
+        ("direct", (100, "--batch-size", 64), "use a batch size of at most 5"),
+        ("ga", (100, "--batch-size", 1), "a batch size of at least 2, but got 100 and 1; raise"),
+    ],
+)
+def test_a_size_that_will_not_do_is_refused_before_anything_is_inferred(
+    call, tmp_path, monkeypatch, method, size, message
+):
+    monkeypatch.setattr(FunctionalsSource, "get", lambda *_, **__: pytest.fail("inferred"))
+
+    status, out, err = call(
+        "run", "LQD/Faucet-v0", "--method", method, "--evaluations", *size, "--out", tmp_path / "a"
+    )
+
+    assert (status, out) == (2, "")
+    assert message in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_where_the_expert_steers_no_option_of_a_model_is_heeded(call, tmp_path):
+    status, out, err = call(
+        *("run", "LQD/Faucet-v0", "--method", "handcrafted", "--effort", "low"),
+        *("--evaluations", 64, "--out", tmp_path / "run"),
+    )
+
+    assert (status, out) == (2, "")
+    assert "neither functionals nor a model to ask with the method 'handcrafted'" in err
+
+
+@pytest.mark.parametrize("method", ["random", "ga"])
+def test_a_few_evaluations_are_a_run_too(call, tmp_path, method):
+    status, _, err = call(
+        "run", "LQD/Faucet-v0", "--method", method, "--evaluations", 6, "--out", tmp_path / "run"
+    )
+
+    assert status == 0, err
+    run = RunFolder.open(tmp_path / "run")
+    assert run.summary()["evaluations"] == 6
+    assert run.config().batch_size == {"random": 1, "ga": 2}[method]
 
 
 def test_an_existing_out_is_refused(run, call):
