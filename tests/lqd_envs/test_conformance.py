@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gymnasium.envs.mujoco.utils import check_mujoco_reset_state
 from gymnasium.utils.env_checker import check_env
-from gymnasium.wrappers import RecordEpisodeStatistics, RecordVideo, TimeLimit
+from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
 
 from lqd_envs import PAPER_TASKS, TASKS, Info, LQDError, ManipulationEnv, RenderingError, Verdict
 from lqd_envs.rendering_backend import has_display
@@ -278,20 +278,6 @@ def test_pictures(task_id):
     assert first.std() > 10.0
     assert (env.render() != first).any()
     env.close()
-
-
-@pytest.mark.usefixtures("opengl")
-def test_video_is_recorded(task_id, tmp_path):
-    pytest.importorskip("moviepy", reason="RecordVideo needs moviepy")
-    env = gym.make(task_id, render_mode="rgb_array", width=64, height=48)
-    env = RecordVideo(env, str(tmp_path / "videos"), disable_logger=True)
-    env.reset()
-    for action in random_actions(0, steps=20):
-        env.step(action)
-    env.close()
-
-    (video,) = (tmp_path / "videos").glob("*.mp4")
-    assert video.stat().st_size > 500
 
 
 def test_episode_ends_after_150_steps_and_its_statistics_are_recorded(task_id):

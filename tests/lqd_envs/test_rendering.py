@@ -4,8 +4,10 @@ import subprocess
 import sys
 import warnings
 
+import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.wrappers import RecordVideo
 
 from lqd_envs import ManipulationEnv, RenderingError
 from lqd_envs.rendering_backend import choose_headless_backend, has_display
@@ -255,3 +257,17 @@ def test_everything_but_pictures_works_without_opengl():
     assert "MUJOCO_GL='disable'" in result.stdout
     assert "install EGL (on Debian and Ubuntu `apt-get install libegl1 libgl1`)" in result.stdout
     assert result.stderr == ""
+
+
+@pytest.mark.usefixtures("picture_env")
+def test_video_is_recorded(tmp_path):
+    pytest.importorskip("moviepy", reason="RecordVideo needs moviepy")
+    env = gym.make("LQD/Faucet-v0", render_mode="rgb_array", width=64, height=48)
+    env = RecordVideo(env, str(tmp_path / "videos"), disable_logger=True)
+    env.reset()
+    for _ in range(20):
+        env.step(np.zeros(8))
+    env.close()
+
+    (video,) = (tmp_path / "videos").glob("*.mp4")
+    assert video.stat().st_size > 500

@@ -6,8 +6,8 @@ from click.testing import CliRunner
 from lqd_search.cli.main import lqd, main
 from lqd_search.cli.progress import RunProgress
 
-OPTIONS = (
-    *("--evaluations", "640", "--batch-size", "32"),
+RUN = (
+    *("run", "LQD/Faucet-v0", "--evaluations", "640", "--batch-size", "32"),
     *("--seed", "4", "--threads", "1"),
 )
 GENERATIONS_BEFORE_IT_IS_STOPPED = 3
@@ -17,17 +17,23 @@ GENERATIONS_BEFORE_IT_IS_STOPPED = 3
 def run(tmp_path_factory):
     """Return the folder of a finished run and what it printed."""
     folder = tmp_path_factory.mktemp("runs") / "one"
-    arguments = ["run", "LQD/Faucet-v0", *OPTIONS, "--out", str(folder)]
+    arguments = [*RUN, "--out", str(folder)]
     result = CliRunner().invoke(lqd, arguments, catch_exceptions=False)
     assert result.exit_code == 0
     return folder, result.output
+
+
+@pytest.fixture
+def run_again():
+    """Return what `lqd` was called with for that run, without its folder."""
+    return RUN
 
 
 @pytest.fixture(scope="session")
 def stopped(tmp_path_factory):
     """Return the folder of the same run, stopped after three generations, and what it printed."""
     folder = tmp_path_factory.mktemp("runs") / "stopped"
-    arguments = ["run", "LQD/Faucet-v0", *OPTIONS, "--out", str(folder)]
+    arguments = [*RUN, "--out", str(folder)]
 
     def stop(_, metrics):
         if metrics.generation == GENERATIONS_BEFORE_IT_IS_STOPPED:

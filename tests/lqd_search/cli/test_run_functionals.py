@@ -140,6 +140,7 @@ def test_one_that_is_stopped_is_said_and_not_called_any_more(call, tmp_path, fun
     assert sentence in " ".join(err.split())
 
 
+@pytest.mark.slow
 def test_killing_the_sandbox_at_random_moments_changes_nothing(run, call, tmp_path, monkeypatch):
     rng, kills = np.random.default_rng(0), []
     judge = Sandbox.run

@@ -83,23 +83,17 @@ def refuse_to_evaluate(*_):
     raise AssertionError("something was evaluated in this process")
 
 
-def test_a_run_on_workers_ends_like_one_without(call, tmp_path, monkeypatch):
-    arguments = (
-        "run", "LQD/Drawer-v0", "--method", "ours", "--evaluations", 640, "--batch-size", 32,
-        "--seed", 1, "--threads", 1,
-    )  # fmt: skip
-    status, _, err = call(*arguments, "--out", tmp_path / "here")
-    assert status == 0, err
-
+def test_a_run_on_workers_ends_like_one_without(run, run_again, call, tmp_path, monkeypatch):
     monkeypatch.setattr(MotionEvaluator, "__call__", refuse_to_evaluate)
-    status, _, err = call(*arguments, "--out", tmp_path / "there", "--workers", "local:2")
+    status, _, err = call(*run_again, "--out", tmp_path / "there", "--workers", "local:2")
     assert status == 0, err
 
-    assert len(StoredArchive.load(tmp_path / "here" / "archive.npz")) > 100
-    assert results(tmp_path / "there") == results(tmp_path / "here")
-    assert metrics(tmp_path / "there") == metrics(tmp_path / "here")
+    assert len(StoredArchive.load(run[0] / "archive.npz")) > 100
+    assert results(tmp_path / "there") == results(run[0])
+    assert metrics(tmp_path / "there") == metrics(run[0])
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_on_workers_of_which_one_is_killed(run, copy, call, accident):
     status, _, err = call("run", "--resume", copy, "--workers", "local:2")
 
