@@ -39,16 +39,15 @@ class KeepingProvider:
             RecordingError: An answer cannot be read from a folder or written to it. Whether it can
                 be written is tried before the other provider is asked, which may cost money.
         """
-        kept = {}
-        for folder in self._folders:
-            exchange = folder.find(request)
-            if exchange is not None and is_usable(exchange):
-                kept[folder] = exchange.answer
-        lacking = [folder for folder in self._folders if folder not in kept]
-        if not kept:
-            for folder in lacking:
+        found = {folder: folder.find(request) for folder in self._folders}
+        kept = {folder: its.answer for folder, its in found.items() if its and is_usable(its)}
+        if kept:
+            answer = next(iter(kept.values()))
+        else:
+            for folder in self._folders:
                 folder.require_writable()
-        answer = next(iter(kept.values())) if kept else self._provider.ask(request)
-        for folder in lacking:
-            folder.write(request, answer)
+            answer = self._provider.ask(request)
+        for folder in self._folders:
+            if folder not in kept:
+                folder.write(request, answer)
         return answer

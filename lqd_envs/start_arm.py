@@ -23,9 +23,7 @@ def checked_start_arm(arm: object, *, scene: Scene) -> NDArray[np.float64]:
             f"expected start_arm to be {ARM_DIM} finite joint positions in rad, or None, got "
             f"{described(arm)}"
         )
-    beyond = _beyond_limits(checked[None], scene=scene, places=[" of start_arm"])
-    if beyond:
-        raise LQDError(beyond)
+    _require_within_limits(checked[None], scene=scene, places=[" of start_arm"], error=LQDError)
     return checked.copy()
 
 
@@ -40,9 +38,7 @@ def checked_arm(arm: object, *, scene: Scene) -> NDArray[np.float64]:
         raise ResetError(
             f"expected the option 'arm' to be {ARM_DIM} finite joint positions in rad, got {arm!r}"
         )
-    beyond = _beyond_limits(checked[None], scene=scene, places=[""])
-    if beyond:
-        raise ResetError(beyond)
+    _require_within_limits(checked[None], scene=scene, places=[""], error=ResetError)
     return checked
 
 
@@ -76,9 +72,8 @@ def checked_arms(
             f"expected the option 'arm' to be finite joint positions in rad, got "
             f"{arms[envs == bad[0]][0].tolist()} for {named_envs(bad)}"
         )
-    beyond = _beyond_limits(arms, scene=scene, places=[f" of env {env}" for env in envs])
-    if beyond:
-        raise ResetError(beyond)
+    places = [f" of env {env}" for env in envs]
+    _require_within_limits(arms, scene=scene, places=places, error=ResetError)
     return arms
 
 
@@ -100,14 +95,14 @@ def overlap_error(*, usual: bool, place: str = "") -> ResetError:
     )
 
 
-def _beyond_limits(arms: NDArray[np.float64], *, scene: Scene, places: list[str]) -> str | None:
-    """Return what to say of the first joint outside its limits, or None where all are within."""
+def _require_within_limits(
+    arms: NDArray[np.float64], *, scene: Scene, places: list[str], error: type[LQDError]
+) -> None:
     limits = np.array([scene.model.joint(name).range for name in ARM_JOINTS])
     outside = np.argwhere((arms < limits[:, 0]) | (arms > limits[:, 1]))
-    if not len(outside):
-        return None
-    row, joint = outside[0]
-    return (
-        f"expected arm joint {joint + 1}{places[row]} within [{limits[joint, 0]:.4f}, "
-        f"{limits[joint, 1]:.4f}] rad, got {arms[row, joint]:.4f}"
-    )
+    if len(outside):
+        row, joint = outside[0]
+        raise error(
+            f"expected arm joint {joint + 1}{places[row]} within [{limits[joint, 0]:.4f}, "
+            f"{limits[joint, 1]:.4f}] rad, got {arms[row, joint]:.4f}"
+        )

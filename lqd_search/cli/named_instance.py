@@ -56,9 +56,10 @@ def _listed(task: Task, kind: str, *, count: int) -> list[str]:
         instances = generate_instances(task, kind, count=count, seed=0)
     except InstanceError as error:
         return [f"{kind}  none", f"  {error}"]
-    named = [f"{kind}:{i}  {instance.name}" for i, instance in enumerate(instances)]
-    words = map(in_words, instances)
-    return [line for name, asked in zip(named, words, strict=True) for line in (name, *asked)]
+    lines = []
+    for i, instance in enumerate(instances):
+        lines += [f"{kind}:{i}  {instance.name}", *in_words(instance)]
+    return lines
 
 
 def _drawn(task: Task, kind: str, number: int, seed: int) -> Instance:
