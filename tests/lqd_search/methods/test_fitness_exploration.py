@@ -451,26 +451,7 @@ def test_each_short_run_has_an_emitter_of_its_own(toy):
     assert np.array_equal(second_run(first_finds=True), second_run(first_finds=False))
 
 
-class Failing:
-    """An emitter that cannot learn from what it is asked for."""
-
-    def ask(self, n, *, archive, rng):
-        return archive.sample_elites(n)["solution"] * rng.uniform(0.9, 1.0)
-
-    def tell(self, batch, *, archive):  # noqa: ARG002 -- the protocol's
-        if batch.asked:
-            raise OSError("out of ideas")
-
-
-def test_what_an_emitter_failed_on_is_not_told_again(toy):
-    method = new_method(toy, emitter=Failing())
+def test_what_an_emitter_failed_on_is_not_told_again(toy, failing_emitter, check_told_once):
+    method = new_method(toy, emitter=failing_emitter)
     step(method, toy)
-    values = toy.evaluate(method.ask())
-    with pytest.raises(OSError, match="out of ideas"):
-        method.tell(values)
-    held = state(method)
-    with pytest.raises(SchedulerError, match="since the emitter failed"):
-        method.tell(values)
-    with pytest.raises(MethodError, match="not told yet"):
-        method.ask()
-    assert state(method) == held
+    check_told_once(method, toy.evaluate(method.ask()), state=state)
