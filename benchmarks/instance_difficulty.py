@@ -6,12 +6,11 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.random_trajectories import random_trajectories
 from benchmarks.tables.markdown import markdown_table
 from lqd_envs import SolutionSpace, Task, rollout
 from lqd_envs.instances import KINDS, Instance, generate_instances
 from lqd_envs.tasks.registry import PAPER_TASKS
-
-_BATCH = 4_000
 
 
 def random_successes(task: Task, *, count: int, most: int, seed: int) -> NDArray[np.float64]:
@@ -26,14 +25,12 @@ def random_successes(task: Task, *, count: int, most: int, seed: int) -> NDArray
     Returns:
         (n, 9) solutions, n at most `count`.
     """
-    rng = np.random.default_rng(seed)
-    found = [np.empty((0, SolutionSpace().dim))]
-    for start in range(0, most, _BATCH):
-        if sum(map(len, found)) >= count:
+    found = np.empty((0, SolutionSpace().dim))
+    for motions in random_trajectories(task, most=most, rng=np.random.default_rng(seed)):
+        found = np.concatenate([found, motions.solutions[motions.success()]])
+        if len(found) >= count:
             break
-        motions = rollout(task, SolutionSpace().sample(min(_BATCH, most - start), rng=rng))
-        found.append(motions.solutions[motions.success()])
-    return np.concatenate(found)[:count]
+    return found[:count]
 
 
 def shares_solved(

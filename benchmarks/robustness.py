@@ -8,7 +8,8 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from lqd_envs import SolutionSpace, Trajectories, get_task, rollout
+from benchmarks.random_trajectories import random_trajectories
+from lqd_envs import Trajectories, get_task
 from lqd_envs.rollout import PrepareBatch, simulate
 from lqd_envs.scene import Scene, load_scene
 from lqd_envs.tasks.task import Task
@@ -19,8 +20,6 @@ SHIFT = 0.001
 """How far the object is moved, in m."""
 TOPPLED = np.deg2rad(45.0)
 """Tilt from which on a free object counts as toppled, in rad."""
-
-_BATCH = 4_000
 
 
 @dataclass(frozen=True)
@@ -60,11 +59,12 @@ def measure(task: Task, *, successes: int, touching: int, most: int, seed: int) 
     found: list[Trajectories] = []
     touched: list[Trajectories] = []
     drawn = 0
-    while drawn < most and _count(found) < successes:
-        batch = rollout(task, SolutionSpace().sample(min(_BATCH, most - drawn), rng=rng))
+    for batch in random_trajectories(task, most=most, rng=rng):
         drawn += len(batch)
         found.append(batch.rows(np.flatnonzero(batch.success())))
         touched.append(batch.rows(np.flatnonzero(_touches(batch) & batch.valid)))
+        if _count(found) >= successes:
+            break
     scene, fine = load_scene(task), load_scene(task, physics_step=FINE_STEP)
     chosen = list(_first(found, successes))
     compared = list(_first(touched, touching))
