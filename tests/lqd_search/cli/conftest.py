@@ -7,8 +7,8 @@ from lqd_search.cli.main import lqd, main
 from lqd_search.cli.progress import RunProgress
 
 RUN = (
-    *("run", "LQD/Faucet-v0", "--evaluations", "640", "--batch-size", "32"),
-    *("--seed", "4", "--threads", "1"),
+    *("run", "LQD/Faucet-v0", "--evaluations", "320", "--batch-size", "16"),
+    *("--seed", "1", "--threads", "1"),
 )
 GENERATIONS_BEFORE_IT_IS_STOPPED = 3
 

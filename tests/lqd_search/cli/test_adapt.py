@@ -15,7 +15,7 @@ from lqd_search.runs.stored_archive import StoredArchive
 
 FAUCET = get_task("LQD/Faucet-v0")
 # One that the tiny run has motions for.
-NUMBERS = {"predicate": 1, "obstacles": 1, "approach": 2, "change": 2}
+NUMBERS = {"predicate": 2, "obstacles": 1, "approach": 2, "change": 2}
 UNSOLVED = "approach:0"
 
 

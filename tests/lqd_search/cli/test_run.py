@@ -15,7 +15,7 @@ from lqd_search.runs.function_text import FUNCTION_KINDS
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.stored_archive import StoredArchive
 
-SIZE = ("--evaluations", 640, "--batch-size", 32)
+SIZE = ("--evaluations", 320, "--batch-size", 16)
 
 
 def test_a_run_ends_with_its_figures_and_the_paths_of_its_pictures(run):
@@ -46,7 +46,7 @@ def test_metrics_have_a_row_a_generation(run):
     with (run[0] / "metrics.csv").open() as file:
         rows = list(csv.DictReader(file))
 
-    assert [int(row["evaluations"]) for row in rows] == list(range(32, 641, 32))
+    assert [int(row["evaluations"]) for row in rows] == list(range(16, 321, 16))
     assert rows[0]["stage"] == "first batch"
     assert rows[-1]["stage"].startswith("continuing with")
 

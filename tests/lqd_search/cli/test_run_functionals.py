@@ -19,7 +19,7 @@ from lqd_search.runs.run_folder import RunFolder
 
 TASK = "LQD/Faucet-v0"
 # As the run of the fixture `run`.
-SIZE = ("--evaluations", 640, "--batch-size", 32, "--seed", 4, "--threads", 1)
+SIZE = ("--evaluations", 320, "--batch-size", 16, "--seed", 1, "--threads", 1)
 SMALL = ("--evaluations", 40, "--batch-size", 2, "--threads", 1)
 
 
