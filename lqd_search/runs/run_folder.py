@@ -4,6 +4,7 @@ import json
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
+from os import PathLike
 from pathlib import Path
 from shlex import quote
 from shutil import copytree
@@ -84,13 +85,13 @@ class RunFolder:
         return cls(path)
 
     @classmethod
-    def open(cls, path: Path) -> "RunFolder":
+    def open(cls, path: str | PathLike[str]) -> "RunFolder":
         """Return an existing run folder.
 
         Raises:
             RunFolderError: There is none, or it has a layout that this version cannot read.
         """
-        folder = cls(path)
+        folder = cls(Path(path))
         folder.config()
         return folder
 

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -101,14 +102,14 @@ class StoredArchive:
         return buffer.getvalue()
 
     @classmethod
-    def load(cls, path: Path) -> "StoredArchive":
+    def load(cls, path: str | PathLike[str]) -> "StoredArchive":
         """Read an `archive.npz`.
 
         Raises:
             StoredArchiveError: It is missing, damaged or of another form.
         """
         try:
-            columns = read_columns(path)
+            columns = read_columns(Path(path))
             fields = _elite_fields(columns)
             return cls(fields=fields, grids=_grids(columns, elites=len(fields["solution"])))
         except ColumnError as error:

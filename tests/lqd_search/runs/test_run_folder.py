@@ -50,7 +50,7 @@ def folder(tmp_path):
 
 
 def test_the_configuration_survives(folder):
-    assert RunFolder.open(folder.path).config() == config()
+    assert RunFolder.open(str(folder.path)).config() == config()
 
 
 def test_versions_of_all_that_can_change_a_result_are_kept(folder):

@@ -36,7 +36,7 @@ def test_what_is_read_is_what_was_written(tmp_path):
     path = tmp_path / "archive.npz"
     path.write_bytes(archive.to_bytes())
 
-    read = StoredArchive.load(path)
+    read = StoredArchive.load(str(path))
 
     assert len(read) == 3
     assert read.fields.keys() == archive.fields.keys()
