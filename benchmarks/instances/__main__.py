@@ -51,7 +51,7 @@ Instances = Mapping[tuple[str, str], Sequence[Instance]]
 @click.option(
     "--cap",
     type=click.IntRange(min=1),
-    default=500,
+    default=200,
     show_default=True,
     help="Most motions of an archive that are drawn at random and simulated in each instance with "
     "obstacles or changes; in the others all are judged.",
@@ -144,8 +144,8 @@ def _judge_missing(
             for folder, asked in missing:
                 # One at a time, since archives are large.
                 judging = Judging(JudgedRun.read(folder), cap=store.cap, threads=threads)
-                for instance, judgement in judging.judge(asked):
-                    store.keep(judgement, instance)
+                for _, judgement in judging.judge(asked):
+                    store.keep(judgement)
                     progress.advance(bar)
                 progress.console.print(f"{folder}: {len(asked)} instances", soft_wrap=True)
     except KeyboardInterrupt:
@@ -155,11 +155,12 @@ def _judge_missing(
 
 
 def _missing(store: JudgementStore, run: RunLabel, instances: Instances) -> list[Instance]:
+    judged = store.load(run)
     return [
         instance
         for (task, _), asked in instances.items()
         for instance in asked
-        if task == run.task and store.load(run, instance) is None
+        if task == run.task and instance.name not in judged
     ]
 
 

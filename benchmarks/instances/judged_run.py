@@ -55,7 +55,7 @@ class RunLabel:
 
     @property
     def name(self) -> str:
-        """What its folder of judgements is called."""
+        """What its file of judgements is called, without the suffix."""
         return f"{self.place}.{self.digest}"
 
     @classmethod

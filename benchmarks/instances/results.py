@@ -52,18 +52,19 @@ class Results:
         Raises:
             InstancesError: One is missing or damaged.
         """
-        judgements: dict[RunLabel, dict[str, Judgement]] = {run: {} for run in sorted(runs)}
-        for (task, _), asked in instances.items():
-            for run in (run for run in judgements if run.task == task):
-                for instance in asked:
-                    judgement = store.load(run, instance)
-                    if judgement is None:
-                        raise InstancesError(
-                            f"Expected what {run.name} came to in {instance.name} with a cap of "
-                            f"{store.cap} and all else as it is declared now, but it is not in "
-                            f"{store.out}; name the run's folder, and it is judged."
-                        )
-                    judgements[run][instance.name] = judgement
+        judgements = {
+            run: _asked(
+                store,
+                run,
+                [
+                    one
+                    for (task, _), asked in instances.items()
+                    if task == run.task
+                    for one in asked
+                ],
+            )
+            for run in sorted(runs)
+        }
         return cls(instances, judgements, store.cap, seed)
 
     @property
@@ -161,3 +162,17 @@ class Results:
         # The same draws for all, so that no rate depends on which others there are.
         rates = two_way(values.swapaxes(1, 2), rng=np.random.default_rng(SEED))
         return dict(zip([*wanted, *fixed], rates, strict=True))
+
+
+def _asked(
+    store: JudgementStore, run: RunLabel, instances: Sequence[Instance]
+) -> dict[str, Judgement]:
+    judged = store.load(run)
+    for instance in instances:
+        if instance.name not in judged:
+            raise InstancesError(
+                f"Expected what {run.name} came to in {instance.name} with a cap of {store.cap} "
+                f"and all else as it is declared now, but it is not in {store.out}; name the "
+                "run's folder, and it is judged."
+            )
+    return {instance.name: judged[instance.name] for instance in instances}

@@ -1,5 +1,7 @@
-"""The judgements on disk: a small file for each run and instance."""
+"""The judgements on disk: a file for each run."""
 
+import gzip
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,12 +11,13 @@ from benchmarks.instances.fingerprint import fingerprint
 from benchmarks.instances.judged_run import InstancesError, RunLabel
 from benchmarks.instances.judgement import Judgement
 from lqd_envs.atomic_file import write_atomically
-from lqd_envs.instances import Instance
+
+_SUFFIX = ".jsonl.gz"
 
 
 @dataclass(frozen=True)
 class JudgementStore:
-    """The folder of judgements, `judged/<run>/<instance>.json`.
+    """The folder of judgements: `judged/<run>.jsonl.gz`, a line of JSON for each instance.
 
     Attributes:
         out: The folder that it is in.
@@ -25,34 +28,34 @@ class JudgementStore:
     out: Path
     cap: int
 
-    def load(self, run: RunLabel, instance: Instance) -> Judgement | None:
-        """Return what a run's archive came to in an instance; None: it has not been judged.
+    def load(self, run: RunLabel) -> dict[str, Judgement]:
+        """Return what a run's archive came to in all instances that it has been judged by.
+
+        Returns:
+            The judgements, by the names of their instances.
 
         Raises:
-            InstancesError: The file is damaged, or that of another run or instance.
+            InstancesError: The file is damaged, or that of another run.
         """
-        path = self._path(run, instance)
-        if not path.exists():
-            return None
-        judgement = _read(path)
-        if (judgement.run, judgement.instance) != (run, instance.name):
-            raise InstancesError(
-                f"Expected what {run.name} came to in {instance.name} in {path}, but got that of "
-                f"{judgement.run.name} in {judgement.instance}; delete the file, and it is judged "
-                "again."
-            )
-        return judgement if judgement.declared == self._declared else None
+        return {
+            name: judgement
+            for name, judgement in self._all(run).items()
+            if judgement.declared == self._declared
+        }
 
-    def keep(self, judgement: Judgement, instance: Instance) -> None:
-        """Write a judgement.
+    def keep(self, judgement: Judgement) -> None:
+        """Add a judgement, or put it in the place of an earlier one.
 
         Raises:
-            InstancesError: It cannot be written.
+            InstancesError: It cannot be written, or the file is damaged or that of another run.
         """
-        path = self._path(judgement.run, instance)
+        path = self._path(judgement.run)
+        kept = self._all(judgement.run) | {judgement.instance: judgement}
+        text = "".join(kept[name].to_json() for name in sorted(kept))
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, judgement.to_json().encode())
+            # Without the time, so that equal judgements are equal files.
+            write_atomically(path, gzip.compress(text.encode(), mtime=0))
         except OSError as error:
             raise InstancesError(
                 f"Expected to write {path}, but that failed ({error.strerror or error}); make space"
@@ -65,9 +68,8 @@ class JudgementStore:
         Raises:
             InstancesError: A file is damaged.
         """
-        folders = sorted(self._judged.glob("*/"))
-        files = (next(iter(sorted(folder.glob("*.json"))), None) for folder in folders)
-        return sorted(_read(file).run for file in files if file is not None)
+        first = (next(iter(_read(path)), None) for path in self._judged.glob(f"*{_SUFFIX}"))
+        return sorted(judgement.run for judgement in first if judgement is not None)
 
     def check_archives(self, runs: Sequence[RunLabel]) -> None:
         """Check that there is one archive for each task, method, seed and sample.
@@ -83,7 +85,7 @@ class JudgementStore:
         for run in runs:
             other = first.setdefault(run.place, run)
             if other != run:
-                judged = [str(path) for path in map(self._folder, (other, run)) if path.exists()]
+                judged = [str(path) for path in map(self._path, (other, run)) if path.exists()]
                 advice = (
                     f"keep one of them, and delete what was judged of the other "
                     f"({' or '.join(judged)})"
@@ -91,11 +93,12 @@ class JudgementStore:
                     else "name one of them alone"
                 )
                 raise _two_archives(run.place, other.name, run.name, advice)
-            for folder in sorted(self._judged.glob(f"{run.place}.*")):
-                if folder != self._folder(run):
-                    advice = f"delete {folder}, or choose another folder with --out"
+            for path in sorted(self._judged.glob(f"{run.place}.*{_SUFFIX}")):
+                if path != self._path(run):
+                    name = path.name.removesuffix(_SUFFIX)
+                    advice = f"delete {path}, or choose another folder with --out"
                     raise _two_archives(
-                        run.place, run.name, f"{folder.name}, which was judged before,", advice
+                        run.place, run.name, f"{name}, which was judged before,", advice
                     )
 
     @cached_property
@@ -106,11 +109,19 @@ class JudgementStore:
     def _judged(self) -> Path:
         return self.out / "judged"
 
-    def _folder(self, run: RunLabel) -> Path:
-        return self._judged / run.name
+    def _path(self, run: RunLabel) -> Path:
+        return self._judged / f"{run.name}{_SUFFIX}"
 
-    def _path(self, run: RunLabel, instance: Instance) -> Path:
-        return self._folder(run) / f"{instance.name}.json"
+    def _all(self, run: RunLabel) -> dict[str, Judgement]:
+        path = self._path(run)
+        judgements = _read(path) if path.exists() else []
+        for judgement in judgements:
+            if judgement.run != run:
+                raise InstancesError(
+                    f"Expected what {run.name} came to in {path}, but got what "
+                    f"{judgement.run.name} did; delete the file, and it is judged again."
+                )
+        return {judgement.instance: judgement for judgement in judgements}
 
 
 def _two_archives(place: str, one: str, other: str, advice: str) -> InstancesError:
@@ -120,8 +131,15 @@ def _two_archives(place: str, one: str, other: str, advice: str) -> InstancesErr
     )
 
 
-def _read(path: Path) -> Judgement:
+def _read(path: Path) -> list[Judgement]:
     try:
-        return Judgement.from_json(path.read_text())
+        lines = gzip.decompress(path.read_bytes()).decode().splitlines()
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
+        raise InstancesError(
+            f"Expected judgements in {path}, but it cannot be read ({error}); delete the file, and "
+            "they are made again."
+        ) from error
+    try:
+        return [Judgement.from_json(line) for line in lines]
     except InstancesError as error:
         raise InstancesError(f"{path}: {error}") from error

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -167,32 +168,73 @@ def test_a_damaged_judgement_is_one_sentence(text):
 def test_a_store_gives_back_what_it_kept_with_the_same_cap_alone(make_run, tmp_path):
     (judgement,) = judgements(make_run(), [OPENED]).values()
     store = JudgementStore(tmp_path / "out", 100)
-    assert store.load(judgement.run, OPENED) is None
+    assert store.load(judgement.run) == {}
 
-    store.keep(judgement, OPENED)
+    store.keep(judgement)
 
-    assert store.load(judgement.run, OPENED) == judgement
+    assert store.load(judgement.run) == {OPENED.name: judgement}
     assert store.runs() == [judgement.run]
-    assert JudgementStore(tmp_path / "out", 50).load(judgement.run, OPENED) is None
+    assert JudgementStore(tmp_path / "out", 50).load(judgement.run) == {}
+
+
+def test_a_store_keeps_one_judgement_of_each_instance(make_run, tmp_path):
+    instances = generate_instances(FAUCET, "predicate", count=2, seed=0)
+    one, other = judgements(make_run(), instances).values()
+    store = JudgementStore(tmp_path, 100)
+
+    for judgement in (one, other, replace(one, different=3)):
+        store.keep(judgement)
+
+    assert store.load(one.run) == {one.instance: replace(one, different=3), other.instance: other}
+
+
+def test_equal_judgements_are_equal_files(make_run, tmp_path):
+    instances = generate_instances(FAUCET, "predicate", count=2, seed=0)
+    one, other = judgements(make_run(), instances).values()
+    for name, order in {"a": (one, other), "b": (other, one)}.items():
+        for judgement in order:
+            JudgementStore(tmp_path / name, 100).keep(judgement)
+
+    first, second = sorted(tmp_path.glob("[ab]/judged/*"))
+    assert first.name == second.name
+    assert first.read_bytes() == second.read_bytes()
 
 
 def test_a_judgement_with_other_declarations_is_none(make_run, tmp_path, monkeypatch):
     (judgement,) = judgements(make_run(), [OPENED]).values()
-    JudgementStore(tmp_path / "out", 100).keep(judgement, OPENED)
+    JudgementStore(tmp_path / "out", 100).keep(judgement)
 
     monkeypatch.setattr(fingerprint, "SIZES", (*fingerprint.SIZES, 100_000))
 
-    assert JudgementStore(tmp_path / "out", 100).load(judgement.run, OPENED) is None
+    assert JudgementStore(tmp_path / "out", 100).load(judgement.run) == {}
 
 
-def test_a_file_of_another_instance_is_refused(make_run, tmp_path):
-    other = generate_instances(FAUCET, "predicate", count=1, seed=0)[0]
-    (judgement,) = judgements(make_run(), [other]).values()
-    store = JudgementStore(tmp_path / "out", 100)
-    store.keep(judgement, OPENED)
+def test_a_file_of_another_run_is_refused(make_run, tmp_path):
+    one, other = (
+        next(iter(judgements(make_run(name, seed=seed), [OPENED]).values()))
+        for name, seed in (("a", 1), ("b", 2))
+    )
+    store = JudgementStore(tmp_path, 100)
+    store.keep(one)
+    (path,) = (tmp_path / "judged").iterdir()
+    path.rename(path.with_name(f"{other.run.name}.jsonl.gz"))
 
-    with pytest.raises(InstancesError, match=r"but got that of \S+ in faucet-predicate"):
-        store.load(judgement.run, OPENED)
+    with pytest.raises(
+        InstancesError, match=rf"but got what {re.escape(one.run.name)} did; delete"
+    ):
+        store.load(other.run)
+
+
+@pytest.mark.parametrize("cut", [0, 5, -5])
+def test_a_damaged_file_is_one_sentence(make_run, tmp_path, cut):
+    (judgement,) = judgements(make_run(), [OPENED]).values()
+    store = JudgementStore(tmp_path, 100)
+    store.keep(judgement)
+    (path,) = (tmp_path / "judged").iterdir()
+    path.write_bytes(b"{}" if cut == 0 else path.read_bytes()[:cut])
+
+    with pytest.raises(InstancesError, match=r"Expected judgements in \S+, but it cannot be read"):
+        store.load(judgement.run)
 
 
 def test_a_run_without_an_archive_is_not_finished(make_run):
@@ -254,8 +296,10 @@ def test_two_archives_of_the_same_run_are_refused_by_name(make_run, tmp_path):
     with pytest.raises(InstancesError, match=rf"{both} of the same task.*; name one of them alone"):
         store.check_archives([one, other])
 
-    (tmp_path / "judged" / one.name).mkdir(parents=True)
-    where = re.escape(str(tmp_path / "judged" / one.name))
+    judged = tmp_path / "judged" / f"{one.name}.jsonl.gz"
+    judged.parent.mkdir()
+    judged.touch()
+    where = re.escape(str(judged))
     with pytest.raises(InstancesError, match=rf"{both}.*; keep one of them, .* other \({where}\)"):
         store.check_archives([one, other])
     store.check_archives([one])

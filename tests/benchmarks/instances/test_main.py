@@ -1,6 +1,7 @@
 """`python -m benchmarks.instances`."""
 
 import csv
+import gzip
 import json
 import re
 
@@ -24,6 +25,23 @@ def invoke(*arguments):
 def rows_of(out):
     with (out / "instances.csv").open(newline="") as file:
         return list(csv.DictReader(file))
+
+
+def lines_of(path):
+    return gzip.decompress(path.read_bytes()).decode().splitlines()
+
+
+def write_lines(path, lines):
+    path.write_bytes(gzip.compress("".join(f"{line}\n" for line in lines).encode()))
+
+
+def judged_in(out):
+    """The judgements that are kept, by their file and instance."""
+    return {
+        (path.name, one["instance"]): one
+        for path in (out / "judged").iterdir()
+        for one in map(json.loads, lines_of(path))
+    }
 
 
 @pytest.fixture
@@ -59,21 +77,17 @@ def test_tables_csv_and_pictures_are_written(runs, tmp_path):
     png = (out / "pictures" / "sizes.faucet.png").read_bytes()
     assert png.startswith(b"\x89PNG")
     assert (out / "pictures" / "sizes.faucet.svg").stat().st_size > 1000
-    assert len(list((out / "judged").glob("*/*.json"))) == 3 * 4 * 2
+    assert len(judged_in(out)) == 3 * 4 * 2
 
 
 def test_rates_are_the_means_of_the_judgements(runs, tmp_path, drawn):
     out = tmp_path / "out"
     invoke(*runs, *COUNT, "--kinds", "change", "--out", out)
 
-    judged = [json.loads(p.read_text()) for p in (out / "judged").glob("*.ours.*/*.json")]
-    assert len(judged) == 4
-    figures = [one["filters"]["inferred"] for one in judged]
-    solvable = {
-        json.loads(p.read_text())["instance"]
-        for p in (out / "judged").glob("*/*.json")
-        if json.loads(p.read_text())["solved"]
-    }
+    judged = judged_in(out).values()
+    figures = [one["filters"]["inferred"] for one in judged if one["run"]["method"] == "ours"]
+    assert len(figures) == 4
+    solvable = {one["instance"] for one in judged if one["solved"]}
     assert len(solvable) == 2
     (row,) = (
         row
@@ -120,15 +134,16 @@ def test_what_was_judged_with_other_declarations_is_judged_again(make_run, tmp_p
     arguments = (*COUNT, "--kinds", "change", "--out", out)
     invoke(make_run("a"), *arguments)
     before = (out / "instances.csv").read_bytes()
-    (path, *_) = sorted((out / "judged").glob("*/*.json"))
-    judged = json.loads(path.read_text())
-    path.write_text(json.dumps(judged | {"declared": "0" * 16}))
+    (path,) = (out / "judged").iterdir()
+    first, *others = lines_of(path)
+    judged = json.loads(first)
+    write_lines(path, [json.dumps(judged | {"declared": "0" * 16}), *others])
 
     with pytest.raises(InstancesError, match="and all else as it is declared now, but it is not"):
         invoke(*arguments)
     assert invoke(tmp_path / "a", *arguments).exit_code == 0
 
-    assert json.loads(path.read_text())["declared"] == judged["declared"]
+    assert {json.loads(line)["declared"] for line in lines_of(path)} == {judged["declared"]}
     assert (out / "instances.csv").read_bytes() == before
 
 
@@ -166,7 +181,7 @@ def test_what_one_run_solves_counts_for_all(make_run, tmp_path):
 def test_what_is_judged_is_not_judged_again(runs, tmp_path, monkeypatch):
     out = tmp_path / "out"
     invoke(*runs[:2], *COUNT, "--out", out)
-    before = {path: path.stat().st_mtime_ns for path in (out / "judged").glob("*/*.json")}
+    before = judged_in(out)
     asked = []
     judge = Judging.judge
 
@@ -175,16 +190,22 @@ def test_what_is_judged_is_not_judged_again(runs, tmp_path, monkeypatch):
         return judge(self, wanted)
 
     monkeypatch.setattr(Judging, "judge", spy)
-    next(iter((out / "judged").glob("*/faucet-change-*.json"))).unlink()
+    path = next((out / "judged").iterdir())
+    *lines, last = sorted(lines_of(path), key=lambda line: "faucet-change-" in line)
+    write_lines(path, lines)
 
     result = invoke(*runs, *COUNT, "--out", out)
 
     assert result.exit_code == 0
     assert [len(kinds) for kinds in asked] == [1, 8]
     assert asked[0] == ["change"]
-    after = {path: path.stat().st_mtime_ns for path in (out / "judged").glob("*/*.json")}
+    after = judged_in(out)
     assert len(after) == 24
-    assert sum(after[path] != then for path, then in before.items()) == 1
+    # One that is judged again took another time.
+    assert [name for name, one in before.items() if after[name] != one] in (
+        [],
+        [(path.name, json.loads(last)["instance"])],
+    )
 
 
 @pytest.mark.usefixtures("drawn")
@@ -209,7 +230,7 @@ def test_a_run_that_was_stopped_goes_on_and_ends_as_if_it_had_not_been(runs, tmp
         "--count 2`"
     )
     # Four of the task's own dynamics, and two of the others.
-    assert len(list((parted / "judged").glob("*/*.json"))) == 6
+    assert len(judged_in(parted)) == 6
     assert not (parted / "instances.md").exists()
 
     assert invoke(*runs, *COUNT, "--out", parted).exit_code == 0
