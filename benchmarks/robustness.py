@@ -144,7 +144,8 @@ def main(*, task_id: str, successes: int, touching: int, most: int, seed: int) -
         ("touching motions with the same outcome at 1 ms", result.agreeing, result.touching),
     )
     for name, count, of in rows:
-        click.echo(f"| {name} | {count:,} of {of:,} | {count / of:.2%} |")
+        share = f"{count / of:.2%}" if of else "-"
+        click.echo(f"| {name} | {count:,} of {of:,} | {share} |")
 
 
 if __name__ == "__main__":

@@ -139,7 +139,7 @@ def _judge_missing(
         speed_estimate_period=_RATE_OVER,
     )
     try:
-        with progress:
+        with store.alone(), progress:
             bar = progress.add_task("", total=sum(len(asked) for _, asked in missing))
             for folder, asked in missing:
                 # One at a time, since archives are large.

@@ -6,6 +6,7 @@ from hashlib import blake2b
 from pathlib import Path
 
 from lqd_envs import LQDError, Task, get_task
+from lqd_search.methods.by_name import METHODS
 from lqd_search.runs.run_folder import ARCHIVE, RunFolder
 from lqd_search.runs.stored_archive import StoredArchive
 
@@ -50,8 +51,7 @@ class RunLabel:
     @property
     def place(self) -> str:
         """Task, method, seed and sample in short: whose place in a table it has."""
-        short = self.task.rpartition("/")[2].partition("-")[0].lower()
-        return f"{short}.{self.method}.seed-{self.seed}.sample-{self.sample}"
+        return f"{get_task(self.task).name}.{self.method}.seed-{self.seed}.sample-{self.sample}"
 
     @property
     def name(self) -> str:
@@ -63,9 +63,14 @@ class RunLabel:
         """Return which run a folder holds, without its archive in memory.
 
         Raises:
-            LQDError: The folder is none, is damaged, or its run is not finished.
+            LQDError: The folder is none, is damaged, or its run is not finished or of no method.
         """
         config = RunFolder.open(path).config()
+        if config.method not in METHODS:
+            raise InstancesError(
+                f"Expected a run of one of {', '.join(METHODS)} in {path}, but it is of "
+                f"{config.method}; leave it out."
+            )
         try:
             content = (path / ARCHIVE).read_bytes()
         except OSError as error:

@@ -13,7 +13,7 @@ from benchmarks.instances.declared import TRIES
 from benchmarks.instances.judged_run import InstancesError, RunLabel
 from benchmarks.instances.looked_at import LookedAt
 from benchmarks.instances.provenance import Provenance
-from lqd_search.runs.json_form import FormError, check_form
+from lqd_search.runs.json_form import FormError, check_form, known_keys
 
 
 @dataclass(frozen=True)
@@ -125,13 +125,14 @@ class Judgement:
                 f"Expected what an archive came to in an instance, but it cannot be read ({error})"
                 "; delete the file, and it is judged again."
             ) from error
+        switches = tuple(data["run"]["switches"])
         parts = {
-            "run": RunLabel(**{**data["run"], "switches": tuple(data["run"]["switches"])}),
+            "run": RunLabel(**{**known_keys(data["run"], RunLabel), "switches": switches}),
             "solved": bool(data["solved"]),
             "filters": filters,
-            "provenance": Provenance(**data["provenance"]),
+            "provenance": Provenance(**known_keys(data["provenance"], Provenance)),
         }
-        return cls(**{**data, **parts})
+        return cls(**{**known_keys(data, cls), **parts})
 
 
 class _Form:
@@ -150,10 +151,11 @@ def _figures(plain: Mapping[str, Any]) -> FilterFigures:
         selector: {size: tuple(counts) for size, counts in by_size.items()}
         for selector, by_size in plain["subsets"].items()
     }
-    looked_at = LookedAt(**plain["looked_at"])
+    looked_at = LookedAt(**known_keys(plain["looked_at"], LookedAt))
     # Its bits are needed late; that they are whole is seen now.
     looked_at.masks()
-    return FilterFigures(**{**plain, "subsets": subsets, "looked_at": looked_at})
+    parts = {"subsets": subsets, "looked_at": looked_at}
+    return FilterFigures(**{**known_keys(plain, FilterFigures), **parts})
 
 
 def _first(solved: NDArray[np.bool_]) -> int:

@@ -12,6 +12,7 @@ from benchmarks.instances.kind_tables import kind_section
 from benchmarks.instances.results import Results
 from benchmarks.instances.size_picture import draw_sizes
 from benchmarks.tables.figure_files import figure_files
+from lqd_envs import get_task
 from lqd_envs.atomic_file import write_atomically
 from lqd_search.methods.steering import STEERING
 
@@ -33,10 +34,10 @@ def write_report(out: Path, results: Results) -> list[Path]:
     """
     pictures: dict[str, bytes] = {}
     for task in results.tasks:
-        pictures.update(figure_files(f"sizes.{_short(task)}", draw_sizes(results, task)))
+        pictures.update(figure_files(_picture(task), draw_sizes(results, task)))
     parts = ["# Task instances", describe(results)]
     for task in results.tasks:
-        parts += [f"## {task}", f"![archives by size](pictures/sizes.{_short(task)}.png)"]
+        parts += [f"## {task}", f"![archives by size](pictures/{_picture(task)}.png)"]
         for kind in results.kinds:
             parts += [f"### {kind.capitalize()}", kind_section(results, task, kind)]
     parts += ["## How it was judged", describe_making(results)]
@@ -74,6 +75,10 @@ def long_form(results: Results) -> str:
     return text.getvalue()
 
 
+def _picture(task: str) -> str:
+    return f"sizes.{get_task(task).name}"
+
+
 def _named(figure: Figure) -> tuple[str, str, int | str, int | str]:
     if isinstance(figure, FixedMotion):
         return ("one fixed motion", figure.choice, "", "whole")
@@ -90,7 +95,3 @@ def _among(figure: Figure, *, cap: int) -> str:
         return f"at most {cap} drawn"
     # A selector chooses from all, and what it chooses is looked at.
     return "all"
-
-
-def _short(task: str) -> str:
-    return task.rpartition("/")[2].partition("-")[0].lower()

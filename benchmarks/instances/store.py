@@ -1,8 +1,11 @@
 """The judgements on disk: a file for each run."""
 
+import fcntl
 import gzip
+import os
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -27,6 +30,31 @@ class JudgementStore:
 
     out: Path
     cap: int
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keep other processes from judging in the same folder, for the length of a `with` block.
+
+        A file is read before it is written: of two that add to it one would lose what it judged.
+
+        Raises:
+            InstancesError: Another process judges there, or the folder cannot be made.
+        """
+        try:
+            self._judged.mkdir(parents=True, exist_ok=True)
+            folder = os.open(self._judged, os.O_RDONLY | os.O_DIRECTORY)
+        except OSError as error:
+            raise _cannot_write(self._judged, error) from error
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            yield
+        except BlockingIOError as error:
+            raise InstancesError(
+                f"Expected to be the only one that judges in {self.out}, but another process does; "
+                "wait until it ends, or choose another folder with --out."
+            ) from error
+        finally:
+            os.close(folder)
 
     def load(self, run: RunLabel) -> dict[str, Judgement]:
         """Return what a run's archive came to in all instances that it has been judged by.
@@ -57,10 +85,7 @@ class JudgementStore:
             # Without the time, so that equal judgements are equal files.
             write_atomically(path, gzip.compress(text.encode(), mtime=0))
         except OSError as error:
-            raise InstancesError(
-                f"Expected to write {path}, but that failed ({error.strerror or error}); make space"
-                " or choose another folder with --out."
-            ) from error
+            raise _cannot_write(path, error) from error
 
     def runs(self) -> list[RunLabel]:
         """Return all runs that there are judgements of, in order.
@@ -122,6 +147,13 @@ class JudgementStore:
                     f"{judgement.run.name} did; delete the file, and it is judged again."
                 )
         return {judgement.instance: judgement for judgement in judgements}
+
+
+def _cannot_write(path: Path, error: OSError) -> InstancesError:
+    return InstancesError(
+        f"Expected to write {path}, but that failed ({error.strerror or error}); make space or "
+        "choose another folder with --out."
+    )
 
 
 def _two_archives(place: str, one: str, other: str, advice: str) -> InstancesError:

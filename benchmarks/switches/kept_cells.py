@@ -6,7 +6,7 @@ from typing import Any
 
 from benchmarks.switches.switch_cell import SwitchCell
 from lqd_envs import LQDError
-from lqd_search.runs.json_form import FormError, check_form
+from lqd_search.runs.json_form import FormError, check_form, known_keys
 
 
 class SwitchesError(LQDError):
@@ -39,4 +39,4 @@ def _read(path: Path) -> SwitchCell:
             f"Expected the figures of a run in {path}, but they cannot be read ({error}); delete "
             "the file, and it is run again."
         ) from error
-    return SwitchCell(**data)
+    return SwitchCell(**known_keys(data, SwitchCell))

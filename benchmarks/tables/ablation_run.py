@@ -8,6 +8,7 @@ import click
 import numpy as np
 
 from benchmarks.tables.cell import Cell
+from benchmarks.tables.cell_figures import CellError
 from benchmarks.tables.cell_process import CellCommand
 from benchmarks.tables.command import call
 from benchmarks.tables.steered_run import Steering, steered_by_recording
@@ -52,7 +53,8 @@ def run_variant(cell: Cell, folder: Path, *, evaluations: int, batch_size: int) 
         batch_size: Solutions in a generation.
 
     Raises:
-        LQDError: The functionals cannot be used, or the folder is damaged or cannot be written.
+        LQDError: The functionals cannot be used or are not those that the run began with, the run
+            is finished, or the folder is damaged or cannot be written.
     """
     with steered_by_recording(cell.task_id, sample=cell.sample) as steering:
         run = (
@@ -61,7 +63,21 @@ def run_variant(cell: Cell, folder: Path, *, evaluations: int, batch_size: int) 
             else _create(folder, cell, steering, evaluations=evaluations, batch_size=batch_size)
         )
         with run.locked():
+            _check_can_go_on(run, steering)
             _go_on(run, VARIANTS[cell.method], steering)
+
+
+def _check_can_go_on(run: RunFolder, steering: Steering) -> None:
+    if run.finished:
+        raise CellError(
+            f"Expected a run in {run.path} that can go on, but it is finished; delete it to run it "
+            "again."
+        )
+    if run.config().functionals != _digest(steering):
+        raise CellError(
+            f"Expected the run in {run.path} to have begun with the functionals of the recording, "
+            "but it has others; delete it, and the cell is run anew."
+        )
 
 
 def _go_on(run: RunFolder, variant: Variant, steering: Steering) -> None:
@@ -106,13 +122,18 @@ def _create(
         prompt_hashes=dict(functionals.prompt_hashes),
         model=functionals.model,
         provenance=functionals.provenance,
-        functionals=functionals_digest(functionals.texts) if functionals.texts else "",
+        functionals=_digest(steering),
         lengths=dict(functionals.lengths),
         dropped=functionals.dropped,
         repaired=functionals.repaired,
         remarks=functionals.remarks,
     )
     return RunFolder.create(folder, config=config, functionals=functionals.texts)
+
+
+def _digest(steering: Steering) -> str:
+    texts = steering.functionals.texts
+    return functionals_digest(texts) if texts else ""
 
 
 def _say_generation(metrics: Metrics) -> None:

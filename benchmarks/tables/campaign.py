@@ -53,7 +53,6 @@ class Campaign:
         self._command = command
         self._jobs = jobs
         self._machine = describe_machine()
-        self._commit = describe_commit()
 
     def run(self, cells: Iterable[Cell], *, on_work: OnWork, on_cell: OnCell) -> Outcome:
         """Run cells until all are finished; however it ends, no process is left behind.
@@ -105,6 +104,7 @@ class Campaign:
             except LQDError as error:
                 outcome.failed[cell] = str(error)
                 return
+            self._store.note_commit(cell, describe_commit())
             process = CellProcess(
                 cell,
                 command=self._command(cell, folder),
@@ -134,13 +134,16 @@ class Campaign:
             outcome.failed[process.cell] = str(error)
 
     def _keep(self, cell: Cell, on_cell: OnCell) -> None:
+        # Each process takes the sources that are there when it begins: where they were changed on
+        # the way, all commits are named.
+        commits = [*self._store.commits(cell), describe_commit()]
         figures = read_run(
             self._store.run_folder(cell),
             cell=cell,
             # All that is no method is a variant of `ours`.
             steering=STEERING.get(cell.method, MESH),
             machine=self._machine,
-            commit=self._commit,
+            commit=", ".join(dict.fromkeys(filter(None, commits))),
         )
         self._store.keep(figures)
         on_cell(figures)

@@ -7,7 +7,7 @@ from typing import Any
 from benchmarks.tables.cell import Cell
 from lqd_envs import LQDError
 from lqd_search.methods.steering import EXPERT
-from lqd_search.runs.json_form import FormError, check_form
+from lqd_search.runs.json_form import FormError, check_form, known_keys
 
 
 class CellError(LQDError):
@@ -85,7 +85,8 @@ class CellFigures:
         model: The model that wrote the functionals.
         provenance: How its replies were taken.
         machine: What it ran on.
-        commit: Of the sources, with a `+` where they were changed; empty where there is no git.
+        commit: Of the sources, with a `+` where they were changed; empty where there is no git. All
+            of them, where it was gone on with at another one.
         versions: Of Python and of every package that can change a result.
     """
 
@@ -152,6 +153,11 @@ class CellFigures:
                 "file, and the cell is run again."
             ) from error
         curve = {name: tuple(column) for name, column in data["curve"].items()}
-        verdicts = {name: Verdicts(**data[name]) for name in ("motions", "elites")}
-        lists = {"switches": tuple(data["switches"]), "curve": Curve(**curve)}
-        return cls(**{**data, **verdicts, **lists})
+        parts = {
+            **{
+                name: Verdicts(**known_keys(data[name], Verdicts)) for name in ("motions", "elites")
+            },
+            "curve": Curve(**known_keys(curve, Curve)),
+            "switches": tuple(data["switches"]),
+        }
+        return cls(**{**known_keys(data, cls), **parts})

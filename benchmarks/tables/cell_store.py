@@ -44,6 +44,16 @@ class CellStore:
         """Return where what the cell's run prints is written."""
         return self._runs / f"{cell.name}.log"
 
+    def note_commit(self, cell: Cell, commit: str) -> None:
+        """Write down at which commit the cell's run is begun, or gone on with."""
+        with self._commits(cell).open("a") as file:
+            file.write(f"{commit}\n")
+
+    def commits(self, cell: Cell) -> list[str]:
+        """Return at which commits the cell's run was begun and gone on with, each once."""
+        path = self._commits(cell)
+        return list(dict.fromkeys(path.read_text().splitlines())) if path.exists() else []
+
     def load(self, cells: Iterable[Cell]) -> dict[Cell, CellFigures]:
         """Return the figures of those cells that are finished, in their order.
 
@@ -99,6 +109,9 @@ class CellStore:
     @property
     def _runs(self) -> Path:
         return self.out / "runs"
+
+    def _commits(self, cell: Cell) -> Path:
+        return self._runs / f"{cell.name}.commits"
 
     def _path(self, cell: Cell) -> Path:
         return self._cells / f"{cell.name}.json"

@@ -33,10 +33,11 @@ def seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int]
         return None
     found: list[int] = []
     for part in value.split(","):
-        first, _dash, last = part.partition("-")
-        if not first.strip().isdigit() or not (last or first).strip().isdigit():
+        ends = [end.strip() for end in part.split("-")]
+        numbers = [int(end) for end in ends if end.isdecimal()]
+        if len(numbers) != len(ends) or len(ends) > 2 or numbers[0] > numbers[-1]:
             raise click.BadParameter(f"expected seeds such as 0,3 or 0-4, but got {value!r}")
-        found += range(int(first), int(last or first) + 1)
+        found += range(numbers[0], numbers[-1] + 1)
     return found
 
 
@@ -132,5 +133,4 @@ def _say(outcome: Outcome, *, again: str) -> int:
         click.echo(f"{cell.name} has no result: {why}", err=True)
     if outcome.failed:
         click.echo(f"try again with `{again}`", err=True)
-        return _FAILED
-    return 0
+    return _FAILED if outcome.failed or outcome.elsewhere else 0

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from benchmarks.tables.cell_figures import CellFigures
 from benchmarks.tables.comparison import Comparison, Hypothesis, smallest_p
 from benchmarks.tables.markdown import markdown_table
-from benchmarks.tables.measures import BY_NAME, SIZE
+from benchmarks.tables.measures import BY_NAME, Measure
 from benchmarks.tables.results import Results
 from benchmarks.tables.spread import NOTHING
 
 _BY_CAPACITY = (
-    "A comparison of sizes is decided *by capacity* where every archive of the one holds more "
-    "successes than an archive of the other has room for, whatever it finds."
+    "A comparison is decided *by capacity* where every archive of the one holds more successes, or "
+    "fills more cells, than an archive of the other has room for elites, whatever it finds."
 )
 
 
@@ -45,26 +45,27 @@ def _table(results: Results, found: Sequence[Comparison]) -> str:
             BY_NAME[hypothesis.measure].title,
             f"{hypothesis.one} : {hypothesis.other}",
             *_texts(by_hypothesis.get(hypothesis)),
-            "yes" if _by_capacity(results, hypothesis) else "no",
+            _by_capacity(results, hypothesis) if hypothesis in by_hypothesis else NOTHING,
         )
         for hypothesis in results.study.family
     ]
     return markdown_table(head, rows, words=3)
 
 
-def _by_capacity(results: Results, hypothesis: Hypothesis) -> bool:
-    if hypothesis.measure != SIZE.name:
-        return False
+def _by_capacity(results: Results, hypothesis: Hypothesis) -> str:
+    measure = BY_NAME[hypothesis.measure]
     task, methods = hypothesis.task, (hypothesis.one, hypothesis.other)
     one, other = (results.group(task, method) for method in methods)
-    return _overflows(one, other) or _overflows(other, one)
+    decided = _overflows(one, other, measure) or _overflows(other, one, measure)
+    return "yes" if decided else "no"
 
 
-def _overflows(one: Sequence[CellFigures], other: Sequence[CellFigures]) -> bool:
-    """Return whether the least of the one is more than the other has room for."""
-    if not one or not other:
-        return False
-    return min(map(SIZE.of, one)) > max(cell.capacity for cell in other)
+def _overflows(one: Sequence[CellFigures], other: Sequence[CellFigures], measure: Measure) -> bool:
+    """Return whether the least of the one is more than the other has room for.
+
+    Each elite is one success at most, and fills one cell at most.
+    """
+    return min(map(measure.of, one)) > max(cell.capacity for cell in other)
 
 
 def _texts(comparison: Comparison | None) -> tuple[str, str, str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from benchmarks.tables.box_picture import draw_boxes
 from benchmarks.tables.cell import RECORDINGS, Cell
+from benchmarks.tables.cell_figures import CellFigures
 from benchmarks.tables.comparison_table import comparison_section
 from benchmarks.tables.curve_picture import draw_curves
 from benchmarks.tables.figure_files import figure_files
@@ -80,7 +81,7 @@ def describe(results: Results) -> str:
         sentences += [
             f"Together they took {hours:.1f} hours, each on one thread.",
             *describe_made_on(cells),
-            _commits(cell.commit or "unknown" for cell in cells),
+            _commits(cells),
             *dict.fromkeys(f"Model: {cell.model}. {cell.provenance}" for cell in cells),
         ]
     return "\n\n".join(sentences)
@@ -91,12 +92,17 @@ def _crossed(study: Study) -> str:
     return f"; {crossed} cells beside them cross recordings and seeds" if crossed else ""
 
 
-def _commits(names: Iterable[str]) -> str:
-    counts = Counter(names)
-    if len(counts) == 1:
-        return f"Commit: {next(iter(counts))}."
-    listed = ", ".join(f"{name} {count}" for name, count in counts.items())
-    return f"Commits, with the number of cells: {listed}."
+def _commits(cells: Iterable[CellFigures]) -> str:
+    methods: dict[str, Counter[str]] = {}
+    for cell in cells:
+        methods.setdefault(cell.commit or "unknown", Counter())[cell.method] += 1
+    if len(methods) == 1:
+        return f"Commit: {next(iter(methods))}."
+    listed = (
+        f"{commit} ({', '.join(f'{method} {n}' for method, n in counts.items())})"
+        for commit, counts in methods.items()
+    )
+    return f"Commits, with the number of cells: {'; '.join(listed)}."
 
 
 def _pictures(results: Results) -> dict[str, bytes]:

@@ -74,9 +74,8 @@ class Instance:
 
         Such as `faucet-predicate-24b0414c`: task, kind, and a digest of all that it is.
         """
-        short = self.task.rpartition("/")[2].partition("-")[0].lower()
         digest = blake2b(self.to_json().encode(), digest_size=4).hexdigest()
-        return f"{short}-{self.kind}-{digest}"
+        return f"{get_task(self.task).name}-{self.kind}-{digest}"
 
     @property
     def same_dynamics(self) -> bool:

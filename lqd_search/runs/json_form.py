@@ -2,6 +2,7 @@
 
 import reprlib
 import sys
+from collections.abc import Mapping
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -40,6 +41,16 @@ def check_form(data: Any, hint: Any, *, at: str = "") -> None:
         _check_object(data, dict.fromkeys(keys, get_args(hint)[1]), at=at)
     else:
         _check_object(data, get_type_hints(hint), at=at)
+
+
+def known_keys(data: Mapping[str, Any], kind: type) -> dict[str, Any]:
+    """Return what of an object a class knows: another version may have written more.
+
+    Args:
+        data: An object in the form of the class.
+        kind: A class whose annotations are the keys.
+    """
+    return {key: data[key] for key in get_type_hints(kind)}
 
 
 def _check_list(data: Any, hint: Any, *, at: str) -> None:

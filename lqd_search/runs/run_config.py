@@ -2,11 +2,11 @@
 
 import json
 import platform
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from typing import Any
 
-from lqd_search.runs.json_form import check_form
+from lqd_search.runs.json_form import check_form, known_keys
 
 RUN_FORMAT = 4
 """Version of the run folder's layout; a reader refuses one that it does not know."""
@@ -96,7 +96,7 @@ class RunConfig:
             FormError: A key is missing, or its value is of another type.
         """
         check_form(data, cls)
-        known = {column.name: data[column.name] for column in fields(cls)}
+        known = known_keys(data, cls)
         names = ("switches", "dropped", "repaired", "remarks")
         return cls(**{**known, **{name: tuple(known[name]) for name in names}})
 

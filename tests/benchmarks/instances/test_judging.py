@@ -237,6 +237,36 @@ def test_a_damaged_file_is_one_sentence(make_run, tmp_path, cut):
         store.load(judgement.run)
 
 
+def test_two_do_not_judge_in_the_same_folder(tmp_path):
+    store = JudgementStore(tmp_path, 100)
+    with (
+        store.alone(),
+        pytest.raises(InstancesError, match=r"the only one that judges in \S+, .*; wait until it"),
+        store.alone(),
+    ):
+        pass
+
+    with store.alone():
+        assert (tmp_path / "judged").is_dir()
+
+
+def test_what_another_version_wrote_beside_is_left_out(make_run):
+    (judgement,) = judgements(make_run(), [OPENED]).values()
+    plain = json.loads(judgement.to_json())
+    for part in (plain, plain["run"], plain["provenance"], plain["filters"]["expert"]):
+        part["new"] = 1
+    plain["filters"]["expert"]["looked_at"]["new"] = 1
+
+    assert Judgement.from_json(json.dumps(plain)) == judgement
+
+
+def test_a_run_of_no_method_is_refused(make_run):
+    with pytest.raises(
+        InstancesError, match=r"one of ours, .* in \S+, but it is of one_grid; leave"
+    ):
+        RunLabel.read(make_run(method="one_grid"))
+
+
 def test_a_run_without_an_archive_is_not_finished(make_run):
     path = make_run()
     (path / "archive.npz").unlink()

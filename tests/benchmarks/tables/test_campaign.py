@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from benchmarks.tables import campaign
 from benchmarks.tables.campaign import Campaign
 from benchmarks.tables.campaign_progress import CampaignProgress
 from benchmarks.tables.cell import Cell
@@ -38,7 +39,7 @@ def killed(tmp_path_factory):
     """Return the store of a cell whose benchmark was stopped, its rows then, and the figures."""
     store = CellStore(tmp_path_factory.mktemp("tables"), EVALUATIONS, BATCH)
     command = run_command(evaluations=EVALUATIONS, batch_size=BATCH)
-    campaign = Campaign(store, command=command, jobs=2)
+    runs = Campaign(store, command=command, jobs=2)
     folder = store.run_folder(CELL)
 
     def stop(evaluations):
@@ -46,14 +47,14 @@ def killed(tmp_path_factory):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        campaign.run([CELL], on_work=stop, on_cell=ignore)
+        runs.run([CELL], on_work=stop, on_cell=ignore)
     # Nothing runs on: the cell can be claimed, and a last row may only be half written.
     with store.claim(CELL) as lock:
         assert lock is not None
     before = rows(folder)[: len(RunFolder(folder).state.load().metrics)]
     kept_before = store.load([CELL])
     finished = []
-    outcome = campaign.run([CELL], on_work=ignore, on_cell=finished.append)
+    outcome = runs.run([CELL], on_work=ignore, on_cell=finished.append)
     return store, before, kept_before, finished, outcome
 
 
@@ -172,6 +173,22 @@ def test_a_cell_that_fails_does_not_keep_the_others_from_being_run(stand_in, tmp
     assert sorted(figures.seed for figures in seen) == [1, 2, 4, 5]
     assert outcome.failed == {cells(3)[0]: "exit status 1: lqd: Expected luck, but got none."}
     assert list(store.load(cells(1, 2, 3, 4, 5))) == cells(1, 2, 4, 5)
+
+
+def test_all_commits_that_a_cell_was_run_at_are_kept(stand_in, tmp_path, monkeypatch):
+    store = CellStore(tmp_path / "out", EVALUATIONS, BATCH)
+    store.prepare()
+    one, other = cells(1, 2)
+    store.note_commit(one, "earlier")
+    commits = iter(["begun", "ended", "same", "same"])
+    monkeypatch.setattr(campaign, "describe_commit", lambda: next(commits))
+
+    for cell in (one, other):
+        Campaign(store, command=stand_in, jobs=1).run([cell], on_work=ignore, on_cell=ignore)
+
+    found = store.load([one, other])
+    assert found[one].commit == "earlier, begun, ended"
+    assert found[other].commit == "same"
 
 
 def test_a_cell_that_another_process_runs_is_left_to_it(stand_in, tmp_path):

@@ -23,6 +23,16 @@ def test_what_is_written_is_read_again(make_figures):
     assert figures.cell == CELL
 
 
+def test_what_another_version_wrote_beside_is_left_out(make_figures):
+    figures = make_figures(CELL)
+    data = json.loads(figures.to_json())
+    for part in (data, data["motions"], data["elites"]):
+        part["new"] = 1
+    data["curve"]["new"] = [1, 2]
+
+    assert CellFigures.from_json(json.dumps(data)) == figures
+
+
 @pytest.mark.parametrize(
     ("harm", "message"),
     [

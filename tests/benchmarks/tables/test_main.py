@@ -122,16 +122,29 @@ def test_a_cell_without_a_result_is_named_and_the_tables_are_written(keep, monke
     assert result.output.endswith("tables.csv\n")
 
 
+def test_a_cell_that_is_run_elsewhere_is_named_and_has_no_result_yet(keep, monkeypatch):
+    class Busy(NoCampaign):
+        outcome = Outcome(failed={}, elsewhere=[Cell.of("push", "ga", 0)])
+
+    monkeypatch.setattr(command, "Campaign", Busy)
+
+    result = invoke(tables.main, "--out", keep([]))
+
+    assert result.exit_code == 1
+    assert "note: another process is running push.ga.seed-0.sample-0" in result.output
+
+
 def test_a_seed_that_is_not_declared_is_refused(keep):
     with pytest.raises(StudyError, match="Expected seeds among 0, which"):
         invoke(tables.main, "--out", keep([]), "--seeds", "0-3")
 
 
-def test_what_is_no_seed_is_refused():
-    result = invoke(tables.main, "--seeds", "one")
+@pytest.mark.parametrize("text", ["one", "4-0", "0-", "-1", "0-1-2", "1,,2", ""])
+def test_what_is_no_seed_is_refused(text):
+    result = invoke(tables.main, "--seeds", text)
 
     assert result.exit_code == 2
-    assert "expected seeds such as 0,3 or 0-4, but got 'one'" in result.output
+    assert f"expected seeds such as 0,3 or 0-4, but got {text!r}" in result.output
 
 
 @pytest.mark.parametrize(("text", "seeds"), [("3", [3]), ("0-2,7", [0, 1, 2, 7]), ("4, 5", [4, 5])])

@@ -90,7 +90,7 @@ def test_what_is_not_finished_is_said(tables):
     assert "11 of 12 cells are finished" in tables
     assert "| handcrafted | 2 of 3 | 5.5 ± 2.1 |" in section(tables, "Drawer: the final archive")
     assert "2 of the 4 declared comparisons are complete" in tables
-    assert "| drawer | success archive size | ours : handcrafted | - | - | - | no |" in tables
+    assert "| drawer | success archive size | ours : handcrafted | - | - | - | - |" in tables
 
 
 def test_the_comparisons_are_those_that_were_declared(tables):
@@ -100,21 +100,23 @@ def test_the_comparisons_are_those_that_were_declared(tables):
 
 
 def test_a_comparison_that_capacity_decides_is_marked(study, make_figures):
-    def marks(*sizes):
+    def marks(*sizes, ground_truth_cells=(70, 80, 90)):
         cells = {
             cell: make_figures(
                 cell,
                 success_archive_size=sizes[cell.seed] if cell.method == "ours" else 100,
-                ground_truth_cells=sizes[cell.seed],
+                ground_truth_cells=ground_truth_cells[cell.seed],
             )
             for cell in study.cells
         }
         lines = comparison_section(Results(study, cells)).splitlines()
         return [line.rsplit("|", 2)[1].strip() for line in lines if line.startswith("| faucet")]
 
-    # `handcrafted` has room for 100; of cells there are no more for the one than for the other.
+    # `handcrafted` has room for 100 elites, and so can fill no more than 100 cells.
     assert marks(101, 300, 500) == ["yes", "no"]
     assert marks(100, 300, 500) == ["no", "no"]
+    assert marks(101, 300, 500, ground_truth_cells=(101, 200, 300)) == ["yes", "yes"]
+    assert marks(101, 300, 500, ground_truth_cells=(100, 200, 300)) == ["yes", "no"]
 
 
 def test_the_papers_figures_stand_beside_ours_where_they_are_at_hand(results):
@@ -137,9 +139,10 @@ def test_at_which_commits_cells_were_run_is_said(study, make_figures):
         return describe(Results(study, cells))
 
     assert "\n\nCommit: abc.\n" in said("abc", "abc")
-    assert "\n\nCommits, with the number of cells: abc 2, def+ 1, unknown 1.\n" in said(
-        "abc", "def+", "abc", ""
-    )
+    assert (
+        "\n\nCommits, with the number of cells: abc (ours 2); def+ (handcrafted 1); unknown "
+        "(handcrafted 1).\n"
+    ) in said("abc", "def+", "abc", "")
 
 
 def test_which_recordings_served_is_said():
@@ -173,6 +176,11 @@ def test_the_long_form_has_a_row_for_each_cell_and_measure(files):
         return [r["value"] for r in chosen if r["task"] == "faucet"]
 
     assert values("ours", "success_archive_size") == ["10", "12", "20"]
+    assert {row["role"] for row in rows} == {"compared"}
+    assert {(row["method"], row["capacity"]) for row in rows} == {
+        ("ours", "160000"),
+        ("handcrafted", "100"),
+    }
     assert values("ours", "precision") == ["0.75"] * 3
     assert values("handcrafted", "precision") == [""] * 3
     assert {(r["seed"], r["sample"], r["evaluations"], r["scale"]) for r in rows} == {

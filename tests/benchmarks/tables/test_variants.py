@@ -1,6 +1,8 @@
 """The variants of `ours`, on made-up motions, and a variant's run that is stopped and goes on."""
 
 import contextlib
+import json
+import subprocess
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +11,8 @@ import pytest
 from benchmarks.tables import ablation_run
 from benchmarks.tables.ablation_run import ablation_command, run_variant
 from benchmarks.tables.cell import Cell
+from benchmarks.tables.cell_figures import CellError
+from benchmarks.tables.cell_process import run_command
 from benchmarks.tables.run_figures import read_run
 from benchmarks.tables.steered_run import Steering, steered_by_recording
 from benchmarks.tables.subset_evaluator import SubsetEvaluator
@@ -210,6 +214,43 @@ def test_a_run_of_a_variant_that_was_stopped_ends_like_one_that_was_not(name, ma
     assert figures[0].success_archive_size > 0
     archives = [(tmp_path / one / "archive.npz").read_bytes() for one in ("whole", "stopped")]
     assert archives[0] == archives[1]
+
+
+@pytest.mark.usefixtures("made_up")
+def test_a_run_of_a_variant_that_is_finished_is_not_run_again(tmp_path):
+    cell = Cell.of("faucet", "one_grid", 7)
+    run_variant(cell, tmp_path / "run", evaluations=EVALUATIONS, batch_size=BATCH)
+    before = (tmp_path / "run" / "archive.npz").read_bytes()
+
+    with pytest.raises(CellError, match="that can go on, but it is finished; delete it to run it"):
+        run_variant(cell, tmp_path / "run", evaluations=EVALUATIONS, batch_size=BATCH)
+    assert (tmp_path / "run" / "archive.npz").read_bytes() == before
+
+
+@pytest.mark.usefixtures("made_up")
+def test_a_run_of_a_variant_does_not_go_on_with_other_functionals(tmp_path):
+    cell, run = Cell.of("faucet", "one_grid", 7), tmp_path / "run"
+    run_variant(cell, run, evaluations=EVALUATIONS, batch_size=BATCH)
+    (run / "summary.json").unlink()
+    config = json.loads((run / "config.json").read_text())
+    (run / "config.json").write_text(json.dumps(config | {"functionals": "0" * 16}))
+
+    with pytest.raises(CellError, match="with the functionals of the recording, but it has others"):
+        run_variant(cell, run, evaluations=EVALUATIONS, batch_size=BATCH)
+
+
+@pytest.mark.slow
+def test_ours_is_the_same_run_among_the_ablations_and_in_the_tables(tmp_path):
+    cell = Cell.of("faucet", "ours", 3)
+    size = {"evaluations": 320, "batch_size": 8}
+    commands = {"tables": run_command(**size), "ablations": ablation_command(**size)}
+
+    for name, command in commands.items():
+        subprocess.run(command(cell, tmp_path / name), check=True, capture_output=True)
+
+    for file in ("archive.npz", "outcomes.npz"):
+        one, other = ((tmp_path / name / file).read_bytes() for name in commands)
+        assert one == other
 
 
 def test_the_command_names_the_cell_and_its_folder(tmp_path):

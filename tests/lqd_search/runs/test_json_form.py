@@ -2,7 +2,7 @@ from typing import TypedDict
 
 import pytest
 
-from lqd_search.runs.json_form import FormError, check_form
+from lqd_search.runs.json_form import FormError, check_form, known_keys
 
 
 class Leaf(TypedDict):
@@ -30,6 +30,10 @@ def tree(**changes):
 @pytest.mark.parametrize("data", [tree(), tree(leaves=[], counts={}, best="a"), tree(unknown=1)])
 def test_data_of_the_form_pass(data):
     check_form(data, Tree)
+
+
+def test_what_a_class_does_not_know_is_left_out():
+    assert known_keys(tree(unknown=1), Tree) == tree()
 
 
 @pytest.mark.parametrize(
