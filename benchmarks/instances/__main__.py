@@ -1,6 +1,5 @@
 """Judge archives by task instances: `python -m benchmarks.instances RUN...`."""
 
-import signal
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,11 +15,10 @@ from benchmarks.instances.judging import Judging
 from benchmarks.instances.report import write_report
 from benchmarks.instances.results import Results
 from benchmarks.instances.store import JudgementStore
-from benchmarks.tables.command import call, names
+from benchmarks.tables.command import call, end_politely, names, stopped
 from benchmarks.tables.machine import usable_cpus
 from lqd_envs.instances import KINDS, Instance, InstanceError, generate_instances
 
-_INTERRUPTED = 130
 # Runs differ in how long they take: only over many judgements is the rate even.
 _RATE_OVER = 3600.0
 _OUT = Path("benchmarks") / "results" / "instances"
@@ -127,8 +125,7 @@ def _judge_missing(
     missing = [(folder, asked) for folder, asked in asked_of if asked]
     if not missing:
         return
-    # Who ends this process politely is told how to go on, too.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    end_politely()
     progress = Progress(
         TextColumn("{task.completed:.0f} of {task.total:.0f} judgements"),
         BarColumn(),
@@ -150,8 +147,7 @@ def _judge_missing(
                 progress.console.print(f"{folder}: {len(asked)} instances", soft_wrap=True)
     except KeyboardInterrupt:
         again = join(["python", "-m", "benchmarks.instances", *sys.argv[1:]])
-        click.echo(f"stopped; what has been judged is kept: go on with `{again}`", err=True)
-        sys.exit(_INTERRUPTED)
+        stopped("what has been judged is kept", again=again)
 
 
 def _missing(store: JudgementStore, run: RunLabel, instances: Instances) -> list[Instance]:

@@ -4,6 +4,7 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NoReturn
 
 import click
 
@@ -73,6 +74,22 @@ def call(command: click.Command) -> None:
         sys.exit(_BAD_INPUT)
 
 
+def end_politely() -> None:
+    """Let SIGTERM do what Ctrl-C does: what was started is ended, and it is said how to go on."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+def stopped(what: str, *, again: str) -> NoReturn:
+    """End the process that a user stopped, and say how to go on.
+
+    Args:
+        what: What there is by now.
+        again: The command that goes on.
+    """
+    click.echo(f"stopped; {what}: go on with `{again}`", err=True)
+    sys.exit(_INTERRUPTED)
+
+
 def run_missing(
     store: CellStore, cells: Sequence[Cell], *, command: CellCommand, jobs: int, again: str
 ) -> int:
@@ -92,8 +109,7 @@ def run_missing(
     """
     finished = store.load(cells)
     missing = [cell for cell in cells if cell not in finished]
-    # Who ends this process politely ends those that it started.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    end_politely()
     progress = CampaignProgress(
         finished=len(finished),
         total=len(cells),
@@ -105,12 +121,11 @@ def run_missing(
         with progress:
             outcome = campaign.run(missing, on_work=progress.show_work, on_cell=progress.show_cell)
     except KeyboardInterrupt:
-        click.echo(
-            f"stopped; {progress.finished} of {len(cells)} cells are finished, and those under "
-            f"way go on where they were: go on with `{again}`",
-            err=True,
+        stopped(
+            f"{progress.finished} of {len(cells)} cells are finished, and those under way go on "
+            "where they were",
+            again=again,
         )
-        sys.exit(_INTERRUPTED)
     return _say(outcome, again=again)
 
 
