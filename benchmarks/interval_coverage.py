@@ -69,18 +69,15 @@ def effect_coverage(*, seeds: int, a12: float, repetitions: int, rng: np.random.
 def main(*, repetitions: int, seed: int) -> None:
     """Make intervals of made-up values whose true figure is known, and count those that hold it."""
     rng = np.random.default_rng(seed)
-    rows = [
-        (f"rate over {_INSTANCES} instances, {words}", str(n), f"{share:.1%}")
-        for words, spread in _SPREADS.items()
-        for n in _SEEDS
-        for share in [rate_coverage(runs=n, spread=spread, repetitions=repetitions, rng=rng)]
-    ]
-    rows += [
-        (f"A12 of {a12}", str(n), f"{share:.1%}")
-        for a12 in _A12
-        for n in _SEEDS
-        for share in [effect_coverage(seeds=n, a12=a12, repetitions=repetitions, rng=rng)]
-    ]
+    rows = []
+    for words, spread in _SPREADS.items():
+        for n in _SEEDS:
+            share = rate_coverage(runs=n, spread=spread, repetitions=repetitions, rng=rng)
+            rows.append((f"rate over {_INSTANCES} instances, {words}", str(n), f"{share:.1%}"))
+    for a12 in _A12:
+        for n in _SEEDS:
+            share = effect_coverage(seeds=n, a12=a12, repetitions=repetitions, rng=rng)
+            rows.append((f"A12 of {a12}", str(n), f"{share:.1%}"))
     click.echo(markdown_table(("interval of", "seeds", "holds the truth"), rows, words=1))
 
 

@@ -1,7 +1,7 @@
 """Judge archives by task instances: `python -m benchmarks.instances RUN...`."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from shlex import join
 
@@ -13,7 +13,7 @@ from benchmarks.instances.declared import INSTANCE_SEED
 from benchmarks.instances.judged_run import InstancesError, JudgedRun, RunLabel, check_labels
 from benchmarks.instances.judging import Judging
 from benchmarks.instances.report import write_report
-from benchmarks.instances.results import Results
+from benchmarks.instances.results import Instances, Results, instances_of
 from benchmarks.instances.store import JudgementStore
 from benchmarks.tables.command import call, end_politely, names, stopped
 from benchmarks.tables.machine import usable_cpus
@@ -22,9 +22,6 @@ from lqd_envs.instances import KINDS, Instance, InstanceError, generate_instance
 # Runs differ in how long they take: only over many judgements is the rate even.
 _RATE_OVER = 3600.0
 _OUT = Path("benchmarks") / "results" / "instances"
-
-Instances = Mapping[tuple[str, str], Sequence[Instance]]
-"""The instances by task and kind."""
 
 
 @click.command(name="instances")
@@ -140,9 +137,11 @@ def _judge_missing(
             bar = progress.add_task("", total=sum(len(asked) for _, asked in missing))
             for folder, asked in missing:
                 # One at a time, since archives are large.
-                judging = Judging(JudgedRun.read(folder), cap=store.cap, threads=threads)
-                for _, judgement in judging.judge(asked):
-                    store.keep(judgement)
+                run = JudgedRun.read(folder)
+                judging = Judging(run, cap=store.cap, threads=threads)
+                keep = store.keeping(run.label)
+                for judgement in judging.judge(asked):
+                    keep(judgement)
                     progress.advance(bar)
                 progress.console.print(f"{folder}: {len(asked)} instances", soft_wrap=True)
     except KeyboardInterrupt:
@@ -152,12 +151,7 @@ def _judge_missing(
 
 def _missing(store: JudgementStore, run: RunLabel, instances: Instances) -> list[Instance]:
     judged = store.load(run)
-    return [
-        instance
-        for (task, _), asked in instances.items()
-        for instance in asked
-        if task == run.task and instance.name not in judged
-    ]
+    return [one for one in instances_of(instances, run.task) if one.name not in judged]
 
 
 if __name__ == "__main__":

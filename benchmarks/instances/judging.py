@@ -36,7 +36,7 @@ class Judging:
         self._declared = fingerprint(cap)
         self._provenance = Provenance.here(threads=threads)
 
-    def judge(self, instances: Sequence[Instance]) -> Iterator[tuple[Instance, Judgement]]:
+    def judge(self, instances: Sequence[Instance]) -> Iterator[Judgement]:
         """Judge instances; those whose dynamics are the task's share one simulation.
 
         Args:
@@ -47,7 +47,7 @@ class Judging:
             yield from self._judge_shared(shared)
         for instance in instances:
             if not instance.same_dynamics:
-                yield instance, self._judge_own(instance)
+                yield self._judge_own(instance)
 
     @property
     def _every(self) -> NDArray[np.intp]:
@@ -57,7 +57,7 @@ class Judging:
     def _sampled(self) -> NDArray[np.intp]:
         return np.unique(np.concatenate([f.simulated for f in self._filters.values()]))
 
-    def _judge_shared(self, instances: Sequence[Instance]) -> Iterator[tuple[Instance, Judgement]]:
+    def _judge_shared(self, instances: Sequence[Instance]) -> Iterator[Judgement]:
         fields, rows = self._run.archive.fields, self._every
         solved = np.zeros((len(instances), len(self._run.archive)), dtype=bool)
         different = 0
@@ -70,10 +70,9 @@ class Judging:
                 solved[i, chunk] = instance.solved_by(motions)
         share = (perf_counter() - begun) / len(instances)
         for i, instance in enumerate(instances):
-            judgement = self._judgement(
+            yield self._judgement(
                 instance, solved[i], judged=lambda f: f.rows, different=different, seconds=share
             )
-            yield instance, judgement
 
     def _judge_own(self, instance: Instance) -> Judgement:
         archive, rows = self._run.archive, self._sampled

@@ -15,6 +15,9 @@ from lqd_envs.instances import Instance
 
 SEED = 20_260_103
 
+Instances = Mapping[tuple[str, str], Sequence[Instance]]
+"""The instances by task and kind."""
+
 
 @dataclass(frozen=True)
 class Results:
@@ -27,7 +30,7 @@ class Results:
         seed: Seed of the instances.
     """
 
-    instances: Mapping[tuple[str, str], Sequence[Instance]]
+    instances: Instances
     judgements: Mapping[RunLabel, Mapping[str, Judgement]]
     cap: int
     seed: int
@@ -37,7 +40,7 @@ class Results:
         cls,
         store: JudgementStore,
         runs: Sequence[RunLabel],
-        instances: Mapping[tuple[str, str], Sequence[Instance]],
+        instances: Instances,
         *,
         seed: int,
     ) -> "Results":
@@ -53,17 +56,7 @@ class Results:
             InstancesError: One is missing or damaged.
         """
         judgements = {
-            run: _asked(
-                store,
-                run,
-                [
-                    one
-                    for (task, _), asked in instances.items()
-                    if task == run.task
-                    for one in asked
-                ],
-            )
-            for run in sorted(runs)
+            run: _judged(store, run, instances_of(instances, run.task)) for run in sorted(runs)
         }
         return cls(instances, judgements, store.cap, seed)
 
@@ -164,7 +157,12 @@ class Results:
         return dict(zip([*wanted, *fixed], rates, strict=True))
 
 
-def _asked(
+def instances_of(instances: Instances, task: str) -> list[Instance]:
+    """Return the instances of a task, of all kinds."""
+    return [one for (its_task, _), drawn in instances.items() if its_task == task for one in drawn]
+
+
+def _judged(
     store: JudgementStore, run: RunLabel, instances: Sequence[Instance]
 ) -> dict[str, Judgement]:
     judged = store.load(run)

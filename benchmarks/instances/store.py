@@ -1,11 +1,9 @@
 """The judgements on disk: a file for each run."""
 
-import fcntl
 import gzip
-import os
 import zlib
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +12,12 @@ from benchmarks.instances.fingerprint import fingerprint
 from benchmarks.instances.judged_run import InstancesError, RunLabel
 from benchmarks.instances.judgement import Judgement
 from lqd_envs.atomic_file import write_atomically
+from lqd_search.runs.folder_lock import folder_locked
 
 _SUFFIX = ".jsonl.gz"
+
+Keep = Callable[[Judgement], None]
+"""Keeps a judgement of a run."""
 
 
 @dataclass(frozen=True)
@@ -40,21 +42,17 @@ class JudgementStore:
         Raises:
             InstancesError: Another process judges there, or the folder cannot be made.
         """
-        try:
-            self._judged.mkdir(parents=True, exist_ok=True)
-            folder = os.open(self._judged, os.O_RDONLY | os.O_DIRECTORY)
-        except OSError as error:
-            raise _cannot_write(self._judged, error) from error
-        try:
-            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        with ExitStack() as stack:
+            try:
+                alone = stack.enter_context(folder_locked(self._judged))
+            except OSError as error:
+                raise _cannot_write(self._judged, error) from error
+            if not alone:
+                raise InstancesError(
+                    f"Expected to be the only one that judges in {self.out}, but another process "
+                    "does; wait until it ends, or choose another folder with --out."
+                )
             yield
-        except BlockingIOError as error:
-            raise InstancesError(
-                f"Expected to be the only one that judges in {self.out}, but another process does; "
-                "wait until it ends, or choose another folder with --out."
-            ) from error
-        finally:
-            os.close(folder)
 
     def load(self, run: RunLabel) -> dict[str, Judgement]:
         """Return what a run's archive came to in all instances that it has been judged by.
@@ -71,21 +69,29 @@ class JudgementStore:
             if judgement.declared == self._declared
         }
 
-    def keep(self, judgement: Judgement) -> None:
-        """Add a judgement, or put it in the place of an earlier one.
+    def keeping(self, run: RunLabel) -> Keep:
+        """Return what adds a judgement of a run, or puts it in the place of an earlier one.
+
+        What is there already is read once; so there must not be two for the same run.
 
         Raises:
-            InstancesError: It cannot be written, or the file is damaged or that of another run.
+            InstancesError: The file is damaged or that of another run, or, of what is returned, it
+                cannot be written.
         """
-        path = self._path(judgement.run)
-        kept = self._all(judgement.run) | {judgement.instance: judgement}
-        text = "".join(kept[name].to_json() for name in sorted(kept))
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            # Without the time, so that equal judgements are equal files.
-            write_atomically(path, gzip.compress(text.encode(), mtime=0))
-        except OSError as error:
-            raise _cannot_write(path, error) from error
+        path = self._path(run)
+        lines = {name: one.to_json() for name, one in self._all(run).items()}
+
+        def keep(judgement: Judgement) -> None:
+            lines[judgement.instance] = judgement.to_json()
+            text = "".join(lines[name] for name in sorted(lines))
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                # Without the time, so that equal judgements are equal files.
+                write_atomically(path, gzip.compress(text.encode(), mtime=0))
+            except OSError as error:
+                raise _cannot_write(path, error) from error
+
+        return keep
 
     def runs(self) -> list[RunLabel]:
         """Return all runs that there are judgements of, in order.

@@ -21,14 +21,14 @@ def long_form(results: Results) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_HEAD)
     for cell, figures in sorted(results.cells.items()):
-        compared = cell in results.study.group(cell.task, cell.method)
+        role = "compared" if results.study.compares(cell) else "crossed"
         for measure in MEASURES:
             value = measure.of(figures)
             writer.writerow(
                 (
                     results.study.scale,
                     *(cell.task, cell.method, cell.seed, cell.sample),
-                    "compared" if compared else "crossed",
+                    role,
                     *(figures.evaluations, figures.capacity, figures.commit),
                     measure.name,
                     # NaN alone is not equal to itself.

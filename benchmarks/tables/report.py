@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from benchmarks.tables.box_picture import draw_boxes
-from benchmarks.tables.cell import RECORDINGS, Cell
+from benchmarks.tables.cell import RECORDINGS
 from benchmarks.tables.cell_figures import CellFigures
 from benchmarks.tables.comparison_table import comparison_section
 from benchmarks.tables.curve_picture import draw_curves
@@ -88,7 +88,7 @@ def describe(results: Results) -> str:
 
 
 def _crossed(study: Study) -> str:
-    crossed = sum(cell != Cell.of(cell.task, cell.method, cell.seed) for cell in study.cells)
+    crossed = sum(not study.compares(cell) for cell in study.cells)
     return f"; {crossed} cells beside them cross recordings and seeds" if crossed else ""
 
 

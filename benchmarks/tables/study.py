@@ -76,6 +76,10 @@ class Study:
         """Return the cells of a method on a task that its tables and comparisons rest on."""
         return [Cell.of(task, method, seed) for seed in self.seeds]
 
+    def compares(self, cell: Cell) -> bool:
+        """Return whether its tables and comparisons rest on a cell; others cross recordings."""
+        return cell in self.group(cell.task, cell.method)
+
 
 def compare_with_first(tasks: Sequence[str], methods: Sequence[str]) -> tuple[Hypothesis, ...]:
     """Declare the comparisons of the first method with each other, by task and measure."""

@@ -1,11 +1,9 @@
 """Where everything that is sent to a model and received from it is kept."""
 
-import fcntl
 import hashlib
 import json
-import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import rmtree
@@ -15,6 +13,7 @@ import click
 
 from lqd_envs import LQDError, Task
 from lqd_search.cli.llm_options import LLMOptions
+from lqd_search.runs.folder_lock import folder_locked
 
 INFERENCE = "inference"
 """Name of the folder of requests and answers, within that of the functionals that came of them."""
@@ -113,32 +112,20 @@ def _hidden_name(task: Task, *, llm: LLMOptions, instruction: str, sample: int) 
 @contextmanager
 def _only_one(path: Path) -> Iterator[None]:
     """Make a folder, or find it, and let nobody else in."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
-    except OSError as error:
-        raise LQDError(
-            f"Expected to keep the model's answers in {path}, but that failed "
-            f"({error.strerror or error}); choose another place with --out."
-        ) from error
-    try:
-        _lock(folder, path)
+    with ExitStack() as stack:
+        try:
+            alone = stack.enter_context(folder_locked(path))
+        except OSError as error:
+            raise LQDError(
+                f"Expected to keep the model's answers in {path}, but that failed "
+                f"({error.strerror or error}); choose another place with --out."
+            ) from error
+        if not alone:
+            raise LQDError(
+                f"Expected to be the only one to ask this, but another process keeps its answers "
+                f"in {path}; wait for it, take another --sample, or name another folder with --out."
+            )
         yield
-    finally:
-        os.close(folder)
-
-
-def _lock(folder: int, path: Path) -> None:
-    try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        raise LQDError(
-            f"Expected to be the only one to ask this, but another process keeps its answers in "
-            f"{path}; wait for it, take another --sample, or name another folder with --out."
-        ) from error
-    except OSError:
-        # Some network file systems know no locks; there, nobody is kept out.
-        return
 
 
 def _leave(path: Path) -> None:

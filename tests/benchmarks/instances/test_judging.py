@@ -25,7 +25,8 @@ OPENED = Instance(FAUCET.id, predicate=JointBand("hot_tap", 0.3, 2.1))
 
 def judgements(path, instances, *, cap=100):
     judging = Judging(JudgedRun.read(path), cap=cap, threads=1)
-    return dict(judging.judge(instances))
+    by_name = {instance.name: instance for instance in instances}
+    return {by_name[judgement.instance]: judgement for judgement in judging.judge(instances)}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -170,7 +171,7 @@ def test_a_store_gives_back_what_it_kept_with_the_same_cap_alone(make_run, tmp_p
     store = JudgementStore(tmp_path / "out", 100)
     assert store.load(judgement.run) == {}
 
-    store.keep(judgement)
+    store.keeping(judgement.run)(judgement)
 
     assert store.load(judgement.run) == {OPENED.name: judgement}
     assert store.runs() == [judgement.run]
@@ -183,7 +184,7 @@ def test_a_store_keeps_one_judgement_of_each_instance(make_run, tmp_path):
     store = JudgementStore(tmp_path, 100)
 
     for judgement in (one, other, replace(one, different=3)):
-        store.keep(judgement)
+        store.keeping(judgement.run)(judgement)
 
     assert store.load(one.run) == {one.instance: replace(one, different=3), other.instance: other}
 
@@ -193,7 +194,7 @@ def test_equal_judgements_are_equal_files(make_run, tmp_path):
     one, other = judgements(make_run(), instances).values()
     for name, order in {"a": (one, other), "b": (other, one)}.items():
         for judgement in order:
-            JudgementStore(tmp_path / name, 100).keep(judgement)
+            JudgementStore(tmp_path / name, 100).keeping(judgement.run)(judgement)
 
     first, second = sorted(tmp_path.glob("[ab]/judged/*"))
     assert first.name == second.name
@@ -202,7 +203,7 @@ def test_equal_judgements_are_equal_files(make_run, tmp_path):
 
 def test_a_judgement_with_other_declarations_is_none(make_run, tmp_path, monkeypatch):
     (judgement,) = judgements(make_run(), [OPENED]).values()
-    JudgementStore(tmp_path / "out", 100).keep(judgement)
+    JudgementStore(tmp_path / "out", 100).keeping(judgement.run)(judgement)
 
     monkeypatch.setattr(fingerprint, "SIZES", (*fingerprint.SIZES, 100_000))
 
@@ -215,7 +216,7 @@ def test_a_file_of_another_run_is_refused(make_run, tmp_path):
         for name, seed in (("a", 1), ("b", 2))
     )
     store = JudgementStore(tmp_path, 100)
-    store.keep(one)
+    store.keeping(one.run)(one)
     (path,) = (tmp_path / "judged").iterdir()
     path.rename(path.with_name(f"{other.run.name}.jsonl.gz"))
 
@@ -229,7 +230,7 @@ def test_a_file_of_another_run_is_refused(make_run, tmp_path):
 def test_a_damaged_file_is_one_sentence(make_run, tmp_path, cut):
     (judgement,) = judgements(make_run(), [OPENED]).values()
     store = JudgementStore(tmp_path, 100)
-    store.keep(judgement)
+    store.keeping(judgement.run)(judgement)
     (path,) = (tmp_path / "judged").iterdir()
     path.write_bytes(b"{}" if cut == 0 else path.read_bytes()[:cut])
 
