@@ -5,6 +5,7 @@ from click.testing import CliRunner
 
 from lqd_search.cli.main import lqd, main
 from lqd_search.cli.progress import RunProgress
+from lqd_search.runs import run_recorder
 
 RUN = (
     *("run", "LQD/Faucet-v0", "--evaluations", "320", "--batch-size", "16"),
@@ -13,9 +14,18 @@ RUN = (
 GENERATIONS_BEFORE_IT_IS_STOPPED = 3
 
 
+@pytest.fixture(autouse=True)
+def no_heat_maps(monkeypatch):
+    """Leave heat maps out of runs that a test makes: to draw them takes longer than the rest.
+
+    The run of the fixture `run`, which is made before, has them.
+    """
+    monkeypatch.setattr(run_recorder, "draw_heat_map", lambda *_, **__: b"a picture")
+
+
 @pytest.fixture(scope="session")
 def run(tmp_path_factory):
-    """Return the folder of a finished run and what it printed."""
+    """Return the folder of a finished run with its pictures and what it printed."""
     folder = tmp_path_factory.mktemp("runs") / "one"
     arguments = [*RUN, "--out", str(folder)]
     result = CliRunner().invoke(lqd, arguments, catch_exceptions=False)
