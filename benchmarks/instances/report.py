@@ -9,6 +9,7 @@ from benchmarks.instances.declared import FILTERS
 from benchmarks.instances.description import describe, describe_making
 from benchmarks.instances.figures import RANDOM, Figure, FixedMotion, SomeMotion
 from benchmarks.instances.kind_tables import kind_section
+from benchmarks.instances.overview import overview
 from benchmarks.instances.results import Results
 from benchmarks.instances.size_picture import draw_sizes
 from benchmarks.tables.figure_files import figure_files
@@ -35,7 +36,7 @@ def write_report(out: Path, results: Results) -> list[Path]:
     pictures: dict[str, bytes] = {}
     for task in results.tasks:
         pictures.update(figure_files(_picture(task), draw_sizes(results, task)))
-    parts = ["# Task instances", describe(results)]
+    parts = ["# Task instances", describe(results), "## At a glance", overview(results)]
     for task in results.tasks:
         parts += [f"## {task}", f"![archives by size](pictures/{_picture(task)}.png)"]
         for kind in results.kinds:
