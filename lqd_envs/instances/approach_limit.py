@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs.instances.instance_error import InstanceError
-from lqd_envs.instances.numbers import checked_number, checked_numbers
+from lqd_envs.instances.numbers import HALF_ANGLES, checked_number, checked_numbers
 from lqd_envs.perception import Columns
 
 _SHORTEST = 1e-6
@@ -38,7 +38,7 @@ class ApproachLimit:
                 f"Expected a `direction` of some length, but got {direction}; give a vector that "
                 "points somewhere."
             )
-        half_angle = checked_number(self.half_angle, name="`half_angle`", within=(0.0, math.pi))
+        half_angle = checked_number(self.half_angle, name="`half_angle`", within=HALF_ANGLES)
         object.__setattr__(self, "direction", direction)
         object.__setattr__(self, "half_angle", half_angle)
 

@@ -94,7 +94,12 @@ def _obstacle(box: Obstacle) -> str:
     length, width, height = (2.0 * half * _CM for half in box.half_size)
     x, y, z = box.position
     bottom = z - box.half_size[2]
-    where = "stands on the table" if abs(bottom) < _ON_TABLE else f"is {bottom * _CM:.1f} cm up"
+    if abs(bottom) < _ON_TABLE:
+        where = "stands on the table"
+    elif bottom > 0.0:
+        where = f"is {bottom * _CM:.1f} cm up"
+    else:
+        where = f"begins {-bottom * _CM:.1f} cm below the table's top"
     return (
         f"A box of {length:.1f} by {width:.1f} by {height:.1f} cm, which the robot must not touch, "
         f"{where} at x {x:.3f}, y {y:.3f} m, turned by {math.degrees(box.yaw):.0f}°."

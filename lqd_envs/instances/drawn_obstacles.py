@@ -5,12 +5,14 @@ import math
 import numpy as np
 
 from lqd_envs.instances.instance import Instance
+from lqd_envs.instances.instance_error import InstanceError
 from lqd_envs.instances.keep_out import KeepOut, keep_out_of
 from lqd_envs.instances.obstacle import Obstacle
 from lqd_envs.instances.rounding import rounded
 from lqd_envs.tasks.task import Task
 
 _MOST = 3
+_MOST_TRIES = 10_000
 _FLOATING_SHARE = 0.5
 _STANDING_DISTANCE, _FLOATING_DISTANCE = 0.25, 0.15
 _STANDING_HALF_SIDE = (0.01, 0.05)
@@ -23,15 +25,19 @@ _FLOATING_BOTTOM = (0.05, 0.30)
 def draw_obstacles(task: Task, *, rng: np.random.Generator) -> Instance:
     """Draw an instance with one to three boxes around the object.
 
-    Half of them stand on the table: 2 to 10 cm by 2 to 10 cm and 8 to 30 cm high, their middle
-    within 25 cm of the task's centre. The others are boards that float: 6 to 20 cm by 6 to 20 cm
-    and 1 to 3 cm thick, within 15 cm of it, their underside 5 to 30 cm above the table. All are
-    turned about the vertical at random. A box is drawn again if it comes within 2 cm of the object,
-    wherever its joints can move it, of the arm where an episode starts, or of another box.
+    Half of those that are drawn stand on the table: 2 to 10 cm by 2 to 10 cm and 8 to 30 cm high,
+    their middle within 25 cm of the task's centre. The others are boards that float: 6 to 20 cm by
+    6 to 20 cm and 1 to 3 cm thick, within 15 cm of it, their underside 5 to 30 cm above the table.
+    All are turned about the vertical at random. A box that comes within 2 cm of the object,
+    wherever its joints can move it, of the arm where an episode starts, or of another box is
+    replaced by a new one, of either kind: around tall objects fewer boards are left than boxes.
 
     Args:
         task: The task.
         rng: Source of randomness.
+
+    Raises:
+        InstanceError: The object and the arm leave no room for a box.
     """
     keep_out = keep_out_of(task)
     obstacles: list[Obstacle] = []
@@ -42,10 +48,15 @@ def draw_obstacles(task: Task, *, rng: np.random.Generator) -> Instance:
 
 
 def _draw_clear(task: Task, keep_out: KeepOut, *, rng: np.random.Generator) -> Obstacle:
-    while True:
+    for _ in range(_MOST_TRIES):
         obstacle = _draw(task, rng=rng)
         if keep_out.allows(obstacle):
             return obstacle
+    raise InstanceError(
+        f"Expected room for a box around the object of {task.id}, but each of {_MOST_TRIES:,} that "
+        "were drawn comes too near to the object, the arm or another box; make Instances of it "
+        "from obstacles of your own."
+    )
 
 
 def _draw(task: Task, *, rng: np.random.Generator) -> Obstacle:

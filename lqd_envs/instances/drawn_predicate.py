@@ -14,9 +14,10 @@ from lqd_envs.instances.predicate import Predicate
 from lqd_envs.instances.rounding import rounded
 from lqd_envs.scenes.chest import DRAWER_RANGE
 from lqd_envs.scenes.faucet import TAP_RANGE
-from lqd_envs.tasks.drawer import OPEN_DISTANCE
-from lqd_envs.tasks.faucet import OPEN_ANGLE
-from lqd_envs.tasks.push import PUSH_DISTANCE
+from lqd_envs.tasks.drawer import DRAWER, OPEN_DISTANCE
+from lqd_envs.tasks.faucet import FAUCET, OPEN_ANGLE
+from lqd_envs.tasks.grasp import GRASP
+from lqd_envs.tasks.push import PUSH, PUSH_DISTANCE
 from lqd_envs.tasks.task import Task
 
 _COLD_TAP_SHARE = 0.1
@@ -49,17 +50,17 @@ def draw_predicate(task: Task, *, rng: np.random.Generator) -> Instance:
         InstanceError: There are no predicates for the task.
     """
     draws: dict[str, Callable[[np.random.Generator], Predicate]] = {
-        "faucet": _tap_band,
-        "drawer": _drawer_band,
-        "grasp": _held_part,
-        "push": _sector,
+        FAUCET.id: _tap_band,
+        DRAWER.id: _drawer_band,
+        GRASP.id: _held_part,
+        PUSH.id: _sector,
     }
-    if task.name not in draws:
+    if task.id not in draws:
         raise InstanceError(
             f"Expected one of the paper's tasks to draw a predicate for, but got {task.id}; make "
             "Instances of it from predicates of your own."
         )
-    return Instance(task=task.id, predicate=draws[task.name](rng))
+    return Instance(task=task.id, predicate=draws[task.id](rng))
 
 
 def _tap_band(rng: np.random.Generator) -> JointBand:

@@ -50,18 +50,26 @@ def generate_instances(
         seed: Seed of the random generator, 0 or more.
 
     Raises:
-        InstanceError: There is no such kind, or none for this task, or count or seed is below 0.
+        InstanceError: There is no such kind, or none for this task, or count or seed is no whole
+            number of at least 0.
         UnknownTaskError: There is no task of that id.
     """
     found = get_task(task) if isinstance(task, str) else task
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise InstanceError(
             f"Expected a kind of instance, but got {kind!r}; choose one of {', '.join(KINDS)}."
         )
-    if count < 0 or seed < 0:
+    if not (_is_count(count) and _is_count(seed)):
         raise InstanceError(
-            f"Expected a count and a seed of at least 0, but got {count} and {seed}; choose others."
+            f"Expected a count and a seed that are whole numbers of at least 0, but got {count!r} "
+            f"and {seed!r}; choose others."
         )
     # A stream of its own for each task and kind, so that they have nothing in common.
     rng = np.random.default_rng([seed, crc32(found.id.encode()), crc32(kind.encode())])
     return tuple(KINDS[kind](found, rng=rng) for _ in range(count))
+
+
+def _is_count(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        return False
+    return bool(value >= 0)

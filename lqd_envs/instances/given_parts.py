@@ -1,9 +1,12 @@
 """Parts that an instance is made of, checked to be what they should be."""
 
+import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 
 from lqd_envs.instances.instance_error import InstanceError
 from lqd_envs.instances.obstacle import Obstacle
+from lqd_envs.instances.predicate import Predicate
 
 
 def require_part(value: object, part: type, *, name: str) -> None:
@@ -21,6 +24,22 @@ def require_part(value: object, part: type, *, name: str) -> None:
         f"Expected `{name}` to be of type {part.__name__} or None, but got {value!r}; "
         f"{_remedy(value)}."
     )
+
+
+def require_written(predicate: Predicate) -> None:
+    """Raise `InstanceError` where a predicate cannot be written, so that it has no name.
+
+    Args:
+        predicate: One of ours, or one of a user's own.
+    """
+    try:
+        json.dumps(asdict(predicate), allow_nan=False)  # type: ignore[call-overload]
+    except (TypeError, ValueError) as error:
+        raise InstanceError(
+            f"Expected `predicate` to be a dataclass of plain values, but got {predicate!r} "
+            f"({error}); decorate its class with @dataclass(frozen=True), and make its attributes "
+            "numbers, strings or tuples of them."
+        ) from error
 
 
 def checked_obstacles(values: object) -> tuple[Obstacle, ...]:

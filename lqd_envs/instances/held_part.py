@@ -19,9 +19,15 @@ _LOWEST, _HIGHEST = -0.05, 0.15
 # Beyond the middle of the handle's opening, and no further aside than fingers that pinch it.
 _HANDLE_FROM = MUG_RADIUS + HANDLE_REACH / 2
 _HANDLE_ASIDE = 0.025
+# Fingers that close across the handle hold it from the wall on: the mug between them would be
+# wider than a gripper opens.
+_ACROSS_ASIDE = 0.015
+_ACROSS = 0.2
 _WALL_RADIUS = MUG_RADIUS - WALL / 2
 _WALL_TOLERANCE = 0.012
 _AXIS_TOLERANCE = 0.010
+# Fingertips that still reach the wall from beside the mug.
+_BODY_RADIUS = MUG_RADIUS + 0.025
 
 
 @dataclass(frozen=True)
@@ -30,8 +36,9 @@ class HeldPart:
 
     It is read from where the point midway between the fingertips is in the mug's frame, and from
     the direction in which the fingers close there: the mug's links do not tell. By the handle:
-    the point lies beyond the middle of the handle's opening. By the rim: one finger is inside the
-    mug and one outside, so the wall is midway between them. By the body: the mug's axis is. A
+    the point lies beyond the middle of the handle's opening, or anywhere between it and the wall
+    with fingers that close across it. By the rim: one finger is inside the mug and one outside, so
+    the wall is midway between them. By the body: the mug's axis is, and the mug is in reach. A
     motion that is no grasp may hold any of them, since the task's own success is asked beside it.
 
     Attributes:
@@ -47,7 +54,7 @@ class HeldPart:
     kind: Literal["held_part"] = field(default="held_part", init=False)
 
     def __post_init__(self) -> None:
-        if self.part not in _PARTS:
+        if not isinstance(self.part, str) or self.part not in _PARTS:
             raise InstanceError(
                 f"Expected a part of the mug, but got {self.part!r}; choose one of "
                 f"{', '.join(_PARTS)}."
@@ -86,9 +93,13 @@ def _part_at(point: NDArray[np.float64], closing: NDArray[np.float64]) -> NDArra
         point: (N, 3) midway between the fingertips, m, in the mug's frame.
         closing: (N, 3) unit vector along which the fingers close, in the mug's frame.
     """
-    handle = (point[:, 1] >= _HANDLE_FROM) & (np.abs(point[:, 0]) <= _HANDLE_ASIDE)
+    aside = np.abs(point[:, 0])
+    handle = (point[:, 1] >= _HANDLE_FROM) & (aside <= _HANDLE_ASIDE)
+    across = np.abs(closing[:, 1]) <= _ACROSS
+    handle |= across & (point[:, 1] >= MUG_RADIUS) & (aside <= _ACROSS_ASIDE)
     # How far the mug's axis is from the plane midway between the fingers.
     off_axis = np.abs((point[:, :2] * closing[:, :2]).sum(axis=1))
     rim = np.abs(off_axis - _WALL_RADIUS) <= _WALL_TOLERANCE
-    body = off_axis <= _AXIS_TOLERANCE
+    near = np.hypot(point[:, 0], point[:, 1]) <= _BODY_RADIUS
+    body = near & (off_axis <= _AXIS_TOLERANCE)
     return np.select([handle, rim, body], [_PARTS["handle"], _PARTS["rim"], _PARTS["body"]], 0)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs.instances.approach_limit import ApproachLimit
-from lqd_envs.instances.given_parts import checked_obstacles, require_part
+from lqd_envs.instances.given_parts import checked_obstacles, require_part, require_written
 from lqd_envs.instances.instance_error import InstanceError
 from lqd_envs.instances.instance_scene import InstanceScene
 from lqd_envs.instances.instance_success import InstanceSuccess
@@ -53,6 +53,8 @@ class Instance:
                 "LQD/Faucet-v0."
             )
         require_part(self.predicate, Predicate, name="predicate")
+        if self.predicate is not None:
+            require_written(self.predicate)
         object.__setattr__(self, "obstacles", checked_obstacles(self.obstacles))
         require_part(self.approach, ApproachLimit, name="approach")
         require_part(self.change, SceneChange, name="change")
@@ -95,12 +97,17 @@ class Instance:
 
         Raises:
             InstanceError: It is an instance of another task, or says something about the object
-                that this one's object does not have.
+                that this one's object does not have, or the task is that of an instance already.
         """
         if task.id != self.task:
             raise InstanceError(
                 f"Expected an instance of {task.id}, but got one of {self.task}; use it with its "
                 "own task."
+            )
+        if _in_an_instance(task):
+            raise InstanceError(
+                f"Expected {task.id} itself, but got it as it is in an instance already; make one "
+                "Instance with the parts of both, and take the task from get_task."
             )
         if self.predicate is not None:
             self.predicate.require_fits(task)
@@ -140,7 +147,7 @@ class Instance:
                 "simulate the motions in it, with rollout(instance.apply(task), solutions)."
             )
         own = trajectories.task
-        if isinstance(own.build_scene, InstanceScene) or isinstance(own.success, InstanceSuccess):
+        if _in_an_instance(own):
             raise InstanceError(
                 "Expected motions that were simulated in the task itself, but got those of an "
                 "instance; pass rollout(task, solutions)."
@@ -168,7 +175,9 @@ class Instance:
             InstanceError: It is not the dictionary of an instance.
         """
         given = require_keys(cls, plain, name="an instance")
-        obstacles = given.get("obstacles") or ()
+        obstacles = given.get("obstacles", ())
+        if obstacles is None:
+            obstacles = ()
         if not isinstance(obstacles, list | tuple):
             raise InstanceError(
                 f"Expected `obstacles` to be a list of boxes, but got {obstacles!r}; put it into "
@@ -196,12 +205,16 @@ class Instance:
         """
         try:
             plain = json.loads(text)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise InstanceError(
                 f"Expected an instance as JSON, but got text that is none ({error}); write it with "
                 "Instance.to_json."
             ) from error
         return cls.from_dict(plain)
+
+
+def _in_an_instance(task: Task) -> bool:
+    return isinstance(task.build_scene, InstanceScene) or isinstance(task.success, InstanceSuccess)
 
 
 def task_of(task_id: str, instance: Instance | Mapping[str, Any] | None) -> Task:

@@ -34,6 +34,11 @@ class JointBand:
     kind: Literal["joint_band"] = field(default="joint_band", init=False)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.joint, str):
+            raise InstanceError(
+                f"Expected `joint` to be the name of a joint, but got {self.joint!r}; name one, "
+                "such as 'hot_tap'."
+            )
         low, high = checked_band(self, low="low", high="high", within=_WIDEST)
         object.__setattr__(self, "low", low)
         object.__setattr__(self, "high", high)

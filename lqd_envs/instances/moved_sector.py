@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs.instances.instance_error import InstanceError
-from lqd_envs.instances.numbers import checked_band, checked_number
+from lqd_envs.instances.numbers import HALF_ANGLES, checked_band, checked_number
 from lqd_envs.perception import Columns
 from lqd_envs.tasks.task import Task
 
@@ -38,7 +38,7 @@ class MovedSector:
         direction = checked_number(
             self.direction, name="`direction`", within=(-2.0 * math.pi, 2.0 * math.pi)
         )
-        half_width = checked_number(self.half_width, name="`half_width`", within=(0.0, math.pi))
+        half_width = checked_number(self.half_width, name="`half_width`", within=HALF_ANGLES)
         nearest, farthest = checked_band(
             self, low="nearest", high="farthest", within=(0.0, _FARTHEST)
         )

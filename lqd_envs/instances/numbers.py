@@ -7,6 +7,9 @@ from lqd_envs.instances.instance_error import InstanceError
 
 Range = tuple[float, float]
 
+HALF_ANGLES: Range = (1e-3, math.pi)
+"""Half of how wide a cone or a sector may be, rad. In one of no width there is nothing."""
+
 
 def checked_number(value: object, *, name: str, within: Range) -> float:
     """Return `value` as a plain float, never -0.0, so that equal parts are written equally.
@@ -45,7 +48,8 @@ def checked_numbers(values: object, *, name: str, length: int, within: Range) ->
         InstanceError: There are more or fewer of them, or one is no number or lies outside.
     """
     sized = isinstance(values, Sequence) and not isinstance(values, str | bytes)
-    if not sized and not hasattr(values, "tolist"):
+    # A NumPy scalar has `tolist`, too, and no items.
+    if not sized and not (hasattr(values, "tolist") and hasattr(values, "__len__")):
         raise InstanceError(
             f"Expected {name} to be {length} numbers, but got {values!r}; give a list of them."
         )

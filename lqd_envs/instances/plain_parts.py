@@ -39,12 +39,12 @@ def read_predicate(plain: object) -> Predicate:
     Raises:
         InstanceError: As `read_part`, or there is no predicate of that kind.
     """
-    if not isinstance(plain, Mapping) or plain.get("kind") not in _PREDICATES:
+    kind = plain.get("kind") if isinstance(plain, Mapping) else None
+    if not isinstance(plain, Mapping) or not isinstance(kind, str) or kind not in _PREDICATES:
         raise InstanceError(
             f"Expected a predicate whose `kind` is one of {', '.join(_PREDICATES)}, but got "
             f"{plain!r}; name its kind."
         )
-    kind = plain["kind"]
     attributes = {key: value for key, value in plain.items() if key != "kind"}
     return read_part(_PREDICATES[kind], attributes, name=f"a predicate of kind {kind}")
 

@@ -11,7 +11,10 @@ from lqd_envs.tasks.task import Task
 
 @runtime_checkable
 class Predicate(Protocol):
-    """A condition on what is perceived of a motion; frozen, hashable, made of plain values."""
+    """A condition on what is perceived of a motion: a frozen dataclass of plain values.
+
+    One of a user's own is drawn for no task, and `Instance.from_json` does not know it.
+    """
 
     @property
     def kind(self) -> str:

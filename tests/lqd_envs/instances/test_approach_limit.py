@@ -53,5 +53,9 @@ def test_errors():
         ApproachLimit((0.0, 0.0, 0.0), 0.3)
     with pytest.raises(InstanceError, match="`direction` to be 3 numbers, but got 2"):
         ApproachLimit((0.0, 1.0), 0.3)
-    with pytest.raises(InstanceError, match="`half_angle` to be a number from 0 to 3"):
+    with pytest.raises(InstanceError, match=r"`half_angle` to be a number from 0\.001 to 3"):
         ApproachLimit(DOWN, 4.0)
+    with pytest.raises(InstanceError, match=r"but got 0\.0; choose one"):
+        ApproachLimit(DOWN, 0.0)
+    with pytest.raises(InstanceError, match=r"`direction` to be 3 numbers, but got np\.float64"):
+        ApproachLimit(np.float64(1.0), 0.3)

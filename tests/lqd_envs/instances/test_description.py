@@ -63,6 +63,11 @@ FAUCET, DRAWER, GRASP, PUSH = "LQD/Faucet-v0", "LQD/Drawer-v0", "LQD/Grasp-v0", 
             "x 0.500, y 0.100 m, turned by 0°.",
         ),
         (
+            Instance(PUSH, obstacles=(Obstacle((0.5, 0.1, 0.1), (0.02, 0.03, 0.2)),)),
+            "A box of 4.0 by 6.0 by 40.0 cm, which the robot must not touch, begins 10.0 cm below "
+            "the table's top at x 0.500, y 0.100 m, turned by 0°.",
+        ),
+        (
             Instance(PUSH, change=SceneChange(shift=(0.01, -0.02), turn=0.2, mass=1.5)),
             "The object is changed: it is moved by +1.0 cm in x and -2.0 cm in y, it is turned by "
             "+11°, its mass is scaled by 1.50.",

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from lqd_envs.instances import (
     Instance,
     InstanceError,
     JointBand,
+    drawn_obstacles,
     generate_instances,
 )
+from lqd_envs.instances.keep_out import KeepOut
 from lqd_envs.scenes.faucet import TAP_RANGE
 
 IDS = [task.id for task in PAPER_TASKS]
@@ -234,7 +237,35 @@ def test_approach_is_neither_always_nor_never_met_by_random_valid_motions(motion
 def test_errors():
     with pytest.raises(InstanceError, match="'luck'; choose one of predicate, obstacles, approach"):
         generate_instances("LQD/Push-v0", "luck", count=1, seed=0)
-    with pytest.raises(InstanceError, match="a count and a seed of at least 0, but got -1 and 0"):
-        generate_instances("LQD/Push-v0", "change", count=-1, seed=0)
+    with pytest.raises(InstanceError, match=r"\['change'\]; choose one of predicate, obstacles"):
+        generate_instances("LQD/Push-v0", ["change"], count=1, seed=0)
+    for count, seed in ((-1, 0), (1.5, 0), (True, 0), (1, "0"), (1, -3), (1, 0.0)):
+        with pytest.raises(
+            InstanceError,
+            match=rf"whole numbers of at least 0, but got {count!r} and {seed!r}; choose",
+        ):
+            generate_instances("LQD/Push-v0", "change", count=count, seed=seed)
+
+
+def test_numbers_of_numpy_are_numbers():
+    drawn = generate_instances("LQD/Push-v0", "change", count=np.int64(2), seed=np.uint8(3))
+
+    assert drawn == generate_instances("LQD/Push-v0", "change", count=2, seed=3)
+
+
+def test_predicates_are_those_of_the_paper_s_tasks_alone():
+    other = replace(get_task("LQD/Grasp-v0"), id="Home/Faucet-v0")
+
+    with pytest.raises(InstanceError, match="paper's tasks to draw a predicate for, but got Home/"):
+        generate_instances(other, "predicate", count=1, seed=0)
+
+
+def test_where_there_is_no_room_for_a_box_that_is_said(monkeypatch):
+    # Wider and taller than all that is drawn.
+    everywhere = KeepOut(low=np.full((1, 3), -1.0), high=np.full((1, 3), 1.0))
+    monkeypatch.setattr(drawn_obstacles, "keep_out_of", lambda _: everywhere)
+
+    with pytest.raises(InstanceError, match="room for a box around the object of LQD/Push-v0, but"):
+        generate_instances("LQD/Push-v0", "obstacles", count=1, seed=0)
     with pytest.raises(UnknownTaskError):
         generate_instances("LQD/Sing-v0", "change", count=1, seed=0)

@@ -1,3 +1,5 @@
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
@@ -15,10 +17,11 @@ BOX = Obstacle((0.4, 0.2, 0.1), (0.02, 0.03, 0.1))
 BAND = JointBand("hot_tap", 0.5, 1.0)
 
 
+@dataclass(frozen=True)
 class TouchesTheTable:
     """A predicate of one's own."""
 
-    kind = "touches_the_table"
+    kind: str = "touches_the_table"
 
     def require_fits(self, task):
         pass
@@ -61,4 +64,23 @@ def test_parts_of_the_right_type_are_taken():
     assert (instance.predicate, instance.approach, instance.change) == (BAND, approach, change)
     assert instance.obstacles == (BOX, BOX)
     own = TouchesTheTable()
-    assert Instance(FAUCET, predicate=own).predicate is own
+    instance = Instance(FAUCET, predicate=own)
+    assert instance.predicate is own
+    assert instance.name.startswith("faucet-predicate-")
+    with pytest.raises(InstanceError, match="one of joint_band, moved_sector, held_part, but got"):
+        Instance.from_json(instance.to_json())
+
+
+def test_a_predicate_of_one_s_own_that_cannot_be_written_is_refused():
+    class Undecorated:
+        kind = "undecorated"
+        require_fits = TouchesTheTable.require_fits
+        holds = TouchesTheTable.holds
+
+    @dataclass(frozen=True)
+    class Larger(TouchesTheTable):
+        than: object = None
+
+    for predicate in (Undecorated(), Larger(than=np.float32(3.0)), Larger(than=float("nan"))):
+        with pytest.raises(InstanceError, match=r"a dataclass of plain values, but got .*frozen=T"):
+            Instance(FAUCET, predicate=predicate)

@@ -87,6 +87,16 @@ def test_equal_numbers_make_equal_names():
         ('{"task": "x", "predicate": {"kind": "joint_band", "joint": "a"}}', "keys low, high"),
         ('{"task": "x", "change": {"mass": 0}}', "`mass` to be a number from 0.01 to 100, but"),
         ('{"task": "x", "change": {"shift": [0.2, 0]}}', "each number of `shift`"),
+        ('{"task": "x", "predicate": {"kind": ["held_part"]}}', "one of joint_band"),
+        ('{"task": "x", "predicate": {"kind": "held_part", "part": ["rim"]}}', r"got \['rim'\]"),
+        (
+            '{"task": "x", "predicate": '
+            '{"kind": "joint_band", "joint": ["a"], "low": 0, "high": 1}}',
+            r"`joint` to be the name of a joint, but got \['a'\]",
+        ),
+        ('{"task": "x", "obstacles": {}}', "`obstacles` to be a list of boxes, but got {}"),
+        ('{"task": "x", "obstacles": false}', "`obstacles` to be a list of boxes, but got False"),
+        pytest.param("[" * 100_000, "an instance as JSON, but got text that is none", id="deep"),
         ('{"task": "x", "approach": {"direction": 1, "half_angle": 1}}', "`direction` to be 3"),
     ],
 )
@@ -100,6 +110,14 @@ def test_task_must_be_its_own_and_must_fit():
         EVERYTHING.apply(get_task(PUSH))
     with pytest.raises(InstanceError, match="its joints are: none"):
         Instance(PUSH, predicate=JointBand("drawer", 0.1, 0.2)).apply(get_task(PUSH))
+
+
+@pytest.mark.parametrize("first", [EVERYTHING, Instance(FAUCET, predicate=EVERYTHING.predicate)])
+def test_an_instance_is_applied_to_the_task_itself(first):
+    varied = first.apply(get_task(FAUCET))
+
+    with pytest.raises(InstanceError, match=f"Expected {FAUCET} itself, but got .*parts of both"):
+        EVERYTHING.apply(varied)
 
 
 def test_plain_instance_is_the_task_itself():
