@@ -139,6 +139,11 @@ def _prepare(text: str | None, task: Task, *, video: Path | None, out: Path | No
             "there is with --list."
         )
     instance = named_instance(text, task)
+    if video and out and video.absolute() == out.absolute():
+        raise LQDError(
+            f"Expected two files, but --video and --out are both {out}; choose another name for "
+            "one of them."
+        )
     if video:
         check_video_path(video)
     if out:
@@ -177,13 +182,12 @@ def _show(
 ) -> None:
     mode = "rgb_array" if video else "human" if has_display() else None
     shown = replay_in(instance, solution, render_mode=mode)
-    if video:
-        write_video(video, shown.frames)
     click.echo(_report(shown, title=title, solution=solution))
-    if video:
-        click.echo(f"video: {video}")
     if not (shown.success and shown.same_as_batch):
         _end(_DIFFERENT)
+    if video:
+        write_video(video, shown.frames)
+        click.echo(f"video: {video}")
 
 
 def _end(why: str) -> NoReturn:

@@ -1,8 +1,8 @@
 """A finished run as a report shows it: what its folder holds, read once."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
 
 from lqd_envs import Task, get_task
@@ -59,11 +59,10 @@ class ReportedRun:
 
 def labels_of(folders: Sequence[Path]) -> tuple[str, ...]:
     """Return what a report calls the runs in these folders: their names, numbered where equal."""
-    # The name alone: from wherever it is called, the report is the same.
-    names = [folder.absolute().resolve().name for folder in folders]
-    seen: Counter[str] = Counter()
-    labels = []
-    for name in names:
-        seen[name] += 1
-        labels.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    labels: list[str] = []
+    for folder in folders:
+        # The name alone: from wherever it is called, the report is the same.
+        name = folder.absolute().resolve().name or "run"
+        numbered = (f"{name} ({number})" for number in count(2))
+        labels.append(next(label for label in chain([name], numbered) if label not in labels))
     return tuple(labels)

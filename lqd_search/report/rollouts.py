@@ -7,10 +7,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from lqd_envs import Task, Trajectories, rollout
+from lqd_envs import Infos, Task, Trajectories, rollout
 from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
 from lqd_search.report.numbers import rounded, whole
 from lqd_search.report.scene_parts import STEP, Part, moving_bodies, scene_parts
+from lqd_search.runs.replay import perceived
 from lqd_search.runs.stored_archive import StoredArchive
 
 
@@ -18,8 +19,8 @@ class Rollout(TypedDict):
     """One motion.
 
     `poses` holds, for each of its 76 moments and each body that moves, position (m) and quaternion
-    (w first) in the world frame, in units of `STEP`. `same` says whether this simulation is, bit
-    for bit, what the run saw.
+    (w first) in the world frame, in units of `STEP`. `same` says whether what is perceived in them
+    is, bit for bit, what the run saw.
     """
 
     elite: int
@@ -44,8 +45,10 @@ def stage_of(task: Task) -> Stage:
     """Return the scene of a task."""
     env = gym.make(task.id)
     try:
-        env.reset()
-        model, data = _simulation(env)
+        model, _ = _simulation(env)
+        # Not by a reset: the usual start may be one that is refused.
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
         return {"bodies": moving_bodies(model).tolist(), "parts": scene_parts(model, data)}
     finally:
         env.close()
@@ -67,16 +70,15 @@ def rollouts_of(task: Task, archive: StoredArchive, *, elites: NDArray[np.int64]
     digests = trajectories.digests()
     env = gym.make(task.id)
     try:
-        return [
-            _rollout(
-                archive,
-                elite,
-                poses=_poses(env, trajectories, row),
-                same=bool(digests[row] == archive.fields[DIGEST][elite]),
-            )
-            for row, elite in enumerate(elites.tolist())
-            if trajectories.simulated[row]
-        ]
+        shown = []
+        for row, elite in enumerate(elites.tolist()):
+            if trajectories.simulated[row]:
+                poses, infos = _played(env, trajectories, row)
+                # The poses are the env's, the digest is the batch's: so that the two are compared.
+                same = infos == trajectories.infos(row)
+                same &= bool(digests[row] == archive.fields[DIGEST][elite])
+                shown.append(_rollout(archive, elite, poses=poses, same=same))
+        return shown
     finally:
         env.close()
 
@@ -98,16 +100,19 @@ def _rollout(
     }
 
 
-def _poses(env: gym.Env[Any, Any], trajectories: Trajectories, row: int) -> NDArray[np.float64]:
-    """Return (76, b, 7) poses of the bodies that move."""
+def _played(
+    env: gym.Env[Any, Any], trajectories: Trajectories, row: int
+) -> tuple[NDArray[np.float64], Infos]:
+    """Return (76, b, 7) poses of the bodies that move, and what is perceived at these moments."""
     model, data = _simulation(env)
     bodies = moving_bodies(model)
-    env.reset(options={"arm": trajectories.plan.starts[row]})
-    frames = [_pose(data, bodies)]
+    _, info = env.reset(options={"arm": trajectories.plan.starts[row]})
+    frames, infos = [_pose(data, bodies)], [perceived(info)]
     for action in trajectories.plan.actions[row]:
-        env.step(action)
+        _, _, _, _, info = env.step(action)
         frames.append(_pose(data, bodies))
-    return np.stack(frames)
+        infos.append(perceived(info))
+    return np.stack(frames), infos
 
 
 def _pose(data: mujoco.MjData, bodies: NDArray[np.int64]) -> NDArray[np.float64]:

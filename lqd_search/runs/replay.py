@@ -85,15 +85,16 @@ def _play(
     env: gym.Env[Any, Any], start: NDArray[np.float64], actions: NDArray[np.float32]
 ) -> tuple[Infos, bool, list[Frame]]:
     _, info = env.reset(options={"arm": start})
-    infos, frames = [_perceived(info)], _frame(env)
+    infos, frames = [perceived(info)], _frame(env)
     for action in actions:
         _, _, _, _, info = env.step(action)
-        infos.append(_perceived(info))
+        infos.append(perceived(info))
         frames += _frame(env)
     return infos, bool(info["is_success"]), frames
 
 
-def _perceived(info: Mapping[str, Any]) -> Info:
+def perceived(info: Mapping[str, Any]) -> Info:
+    """Return of an env's info what is perceived, without what else the env says of it."""
     return cast(Info, {name: info[name] for name in Info.__annotations__})
 
 

@@ -38,7 +38,7 @@ async function drawPanel(place, map, panel, { shade, approval, marks, pick }) {
   });
 }
 
-// Where a place holds what was asked for it is bright, elsewhere grey; each has its values as a text.
+// Where only failures are kept a place is grey, elsewhere bright; each has its values as a text.
 function layersOf(map, panel, { shade, approval }) {
   const [a, b] = panel.axes;
   const rows = b === undefined ? 1 : map.dims[b];
@@ -47,7 +47,8 @@ function layersOf(map, panel, { shade, approval }) {
   panel.place.forEach((flat, k) => {
     const [column, row] = [Math.floor(flat / rows), flat % rows];
     const approved = panel[approval][k] > 0;
-    const value = shade === "best" ? (approved ? panel.best[k] : null) : panel[shade][k] || null;
+    const count = panel[shade][k] || (approved ? 0 : null);
+    const value = shade === "best" ? (approved ? panel.best[k] : null) : count;
     if (value === null) layers.grey[row][column] = 1;
     else layers.bright[row][column] = value;
     layers.texts[row][column] = describe(map, panel, k, column, row);
@@ -81,7 +82,8 @@ function bars(map, { bright, grey, texts }) {
   const top = Math.max(...bright[0].filter((value) => value !== null).map(Math.abs), 0) || 1;
   return [
     { ...common, y: grey[0].map((value) => value && 0.04 * top), marker: { color: GREY, line: { width: 0 } } },
-    { ...common, y: bright[0], marker: { color: RUN_COLORS[0], line: { width: 0 } } },
+    // One of no height could not be pointed at.
+    { ...common, y: bright[0].map((value) => (value === 0 ? 0.04 * top : value)), marker: { color: RUN_COLORS[0], line: { width: 0 } } },
   ];
 }
 

@@ -180,6 +180,10 @@ def test_where_the_expert_steered_the_run_it_is_his_condition_that_approves(run,
         (("--instance", "change:-1"), r"but got 'change:-1', which as a file cannot be read"),
         (("--instance", "change:10000"), "the number of a drawn instance below 10,000, but got"),
         (("--instance", "change", "--video", "film.txt"), "Expected the name of an .mp4 file"),
+        (
+            ("--instance", "change", "--video", "one.mp4", "--out", "one.mp4"),
+            "Expected two files, but --video and --out are both one.mp4; choose another name",
+        ),
         (("--instance", "change", "--out", "taken"), "in taken, but it exists already; choose"),
         (("--instance", "change", "--out", "no/where"), "but its folder does not exist; choose"),
         (("--instance", "taken"), "taken: Expected an instance as JSON, but got text that is none"),
@@ -220,12 +224,12 @@ def test_what_the_env_shows_otherwise_is_not_kept(run, call, tmp_path, monkeypat
 
     original = adapt.replay_in
     monkeypatch.setattr(
-        adapt, "replay_in", lambda *a, **k: replace(original(*a, **k), **difference)
+        adapt, "replay_in", lambda *a, **_: replace(original(*a, render_mode=None), **difference)
     )
 
     status, out, err = call(
-        *("adapt", run[0], "--instance", "change:2", "--limit", 20),
-        *("--out", tmp_path / "found.json", "--threads", 0),
+        *("adapt", run[0], "--instance", "change:2", "--limit", 20, "--threads", 0),
+        *("--out", tmp_path / "found.json", "--video", tmp_path / "film.mp4"),
     )
 
     assert status == 1

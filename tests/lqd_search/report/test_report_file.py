@@ -47,3 +47,10 @@ def test_runs_are_called_by_the_names_of_their_folders(tmp_path, monkeypatch):
 
     assert labels_of([*folders[:2], type(tmp_path)(".")]) == ("run", "run (2)", "c")
     assert not re.search("/", "".join(labels_of(folders)))
+
+
+def test_no_two_runs_are_called_the_same(tmp_path):
+    folders = [tmp_path / name for name in ("a/run", "b/run", "c/run (2)", "d/run")]
+
+    assert labels_of(folders) == ("run", "run (2)", "run (2) (2)", "run (3)")
+    assert labels_of([type(tmp_path)("/")]) == ("run",)

@@ -1,8 +1,11 @@
 import dataclasses
 
+import gymnasium as gym
 import numpy as np
+import pytest
 
-from lqd_envs import get_task, rollout
+from lqd_envs import ManipulationEnv, ResetError, get_task, rollout
+from lqd_envs.instances import Instance, Obstacle
 from lqd_search.report.rollouts import rollouts_of, stage_of
 from lqd_search.report.scene_parts import FIXED, STEP
 
@@ -34,6 +37,28 @@ def test_a_motion_that_differs_from_the_run_s_is_marked(archive):
     (shown,) = rollouts_of(TASK, dataclasses.replace(archive, fields=fields), elites=np.array([0]))
 
     assert not shown["same"]
+
+
+def test_an_env_that_goes_another_way_than_the_batch_is_marked(archive, monkeypatch):
+    step = ManipulationEnv.step
+    monkeypatch.setattr(ManipulationEnv, "step", lambda env, action: step(env, 0.9 * action))
+    (shown,) = rollouts_of(TASK, archive, elites=np.array([0]))
+
+    assert not shown["same"]
+
+
+def test_a_task_whose_usual_start_is_blocked_has_a_stage(monkeypatch):
+    usual = stage_of(TASK)
+    board = Obstacle((0.4, 0.0, 0.45), (0.2, 0.3, 0.02))
+    blocked = gym.make(TASK.id, instance=Instance(TASK.id, obstacles=(board,)))
+    with pytest.raises(ResetError, match="start"):
+        blocked.reset()
+    monkeypatch.setattr(gym, "make", lambda _: blocked)
+
+    stage = stage_of(TASK)
+
+    assert stage["bodies"] == usual["bodies"]
+    assert len(stage["parts"]) == len(usual["parts"]) + 1
 
 
 def test_a_motion_without_a_start_is_left_out(archive):
