@@ -20,6 +20,7 @@ from lqd_envs import LQDError
 
 _FAILED = 1
 _BAD_INPUT = 2
+_LONGEST_SAID = 500
 _INTERRUPTED = 130
 
 
@@ -86,7 +87,9 @@ def stopped(what: str, *, again: str) -> NoReturn:
         what: What there is by now.
         again: The command that goes on.
     """
-    click.echo(f"stopped; {what}: go on with `{again}`", err=True)
+    # With hundreds of runs on it nobody would read what stands before.
+    how = f"go on with `{again}`" if len(again) <= _LONGEST_SAID else "the same command goes on"
+    click.echo(f"stopped; {what}: {how}", err=True)
     sys.exit(_INTERRUPTED)
 
 
