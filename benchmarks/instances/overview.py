@@ -13,6 +13,7 @@ _FIGURES: dict[str, Figure] = {
     "One fixed motion, the best one on the other instances, solves it:": BEST_ON_THE_OTHERS,
     "One of the first 5 motions that `diverse` tries solves it:": Success("diverse", 5),
     "One of 5 motions that are chosen at random solves it:": Success("random", 5),
+    "One of 20 motions that are chosen at random solves it:": Success("random", 20),
 }
 
 
@@ -32,24 +33,41 @@ def overview(results: Results) -> str:
 
 
 def overview_table(results: Results, figure: Figure) -> str:
-    """Return one figure of all methods, task by task and kind by kind."""
+    """Return one figure of all methods, task by task and kind by kind, and its mean."""
     methods = sorted({run.method for run in results.judgements})
     rows = [
         [get_task(task).name, kind, *(_cell(results, task, kind, one, figure) for one in methods)]
         for task, kind in results.instances
     ]
+    rows.append(["mean", "", *(_mean(results, one, figure) for one in methods)])
     return markdown_table(["task", "kind", *map(shown, methods)], rows, words=2)
 
 
 def _cell(results: Results, task: str, kind: str, method: str, figure: Figure) -> str:
-    if method not in results.methods(task):
-        return NOTHING
-    rates = results.rates(task, kind, method, INFERRED)
-    if figure not in rates:
-        return NOTHING
-    value = rates[figure].value
-    if 0.995 <= value < 1.0:
-        return "> 99%"
+    value = _value(results, task, kind, method, figure)
+    if value is None or 0.995 <= value < 1.0:
+        return _text(value)
     capped = results.capped(task, kind, INFERRED, methods=[method])
     bound = "≥ " if figure == SomeMotion() and capped and value < 1.0 else ""
-    return f"{bound}{value:.0%}"
+    return bound + _text(value)
+
+
+def _mean(results: Results, method: str, figure: Figure) -> str:
+    """Return the mean over tasks and kinds, where the figure is there for all of them."""
+    values = [_value(results, task, kind, method, figure) for task, kind in results.instances]
+    known = [value for value in values if value is not None]
+    return _text(sum(known) / len(known) if len(known) == len(values) else None)
+
+
+def _value(results: Results, task: str, kind: str, method: str, figure: Figure) -> float | None:
+    if method not in results.methods(task):
+        return None
+    rates = results.rates(task, kind, method, INFERRED)
+    return rates[figure].value if figure in rates else None
+
+
+def _text(value: float | None) -> str:
+    if value is None:
+        return NOTHING
+    # What is rounded to all is not all.
+    return "> 99%" if 0.995 <= value < 1.0 else f"{value:.0%}"

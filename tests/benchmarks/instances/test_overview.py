@@ -62,6 +62,7 @@ def test_rows_are_tasks_and_kinds_and_columns_are_methods():
         "|---|---|---:|---:|---:|",
         "| drawer | predicate | 26% | ≥ 50% | - |",
         "| faucet | change | - | 100% | 25% |",
+        "| mean |  | - | 75% | - |",
     ]
 
 
@@ -85,6 +86,6 @@ def test_what_there_is_no_figure_of_is_no_zero():
 def test_each_table_stands_below_what_it_says():
     parts = overview(RESULTS).split("\n\n")
 
-    assert len(parts) == 9
+    assert len(parts) == 11
     assert parts[1] == "Some motion of the archive solves the instance:"
     assert parts[2] == overview_table(RESULTS, SomeMotion())

@@ -76,7 +76,7 @@ def test_where_not_all_were_looked_at_the_tables_say_so(make_run, tmp_path):
 
     glance, predicate, change = re.split("### .*", (out / "instances.md").read_text())
     rows = [line for line in glance.splitlines() if line.startswith("| faucet | ")]
-    assert [row.split(" | ")[1] for row in rows] == ["predicate", "change"] * 4
+    assert [row.split(" | ")[1] for row in rows] == ["predicate", "change"] * 5
     assert "some motion of at most 42 looked at solves it" not in predicate
     assert "some motion of at most 42 looked at solves it" in change
     assert "| of at most 42 looked at |" in change
