@@ -7,10 +7,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from lqd_search.pictures.figure import FAILURE_COLOR, SUCCESS_COLORS, new_figure, new_panels, png
 from lqd_search.runs.stored_archive import StoredGrid
+
+_TICKS = 4
 
 
 def draw_heat_map(name: str, grid: StoredGrid, *, fields: Mapping[str, NDArray[Any]]) -> bytes:
@@ -98,5 +101,8 @@ def _draw_pair(
     )
     axes.set_xlabel(f"measure {pair[0]}")
     axes.set_ylabel(f"measure {pair[1]}")
+    # Most of the time to draw a picture goes into its ticks.
+    axes.locator_params(nbins=_TICKS)
     if successes.any():
-        axes.figure.colorbar(image, ax=axes, label="cells with a success")
+        whole = MaxNLocator(_TICKS, integer=True)
+        axes.figure.colorbar(image, ax=axes, label="cells with a success", ticks=whole)

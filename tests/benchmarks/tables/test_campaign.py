@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from rich.console import Console
 
 from benchmarks.tables import campaign
@@ -19,6 +20,8 @@ from benchmarks.tables.cell_process import run_command, spent
 from benchmarks.tables.cell_store import CellStore
 from benchmarks.tables.machine import describe_commit
 from benchmarks.tables.run_figures import read_run
+from lqd_search.cli.main import lqd
+from lqd_search.runs import run_recorder
 from lqd_search.runs.run_folder import RunFolder
 
 EVALUATIONS, BATCH = 96, 8
@@ -53,18 +56,30 @@ def killed(tmp_path_factory):
         assert lock is not None
     before = rows(folder)[: len(RunFolder(folder).state.load().metrics)]
     kept_before = store.load([CELL])
-    finished = []
-    outcome = runs.run([CELL], on_work=ignore, on_cell=finished.append)
-    return store, before, kept_before, finished, outcome
+    kept = []
+    outcome = runs.run([CELL], on_work=ignore, on_cell=kept.append)
+    return store, before, kept_before, kept, outcome
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory):
+    """Return the folder of a run of the cell that nobody stopped, made in this process."""
+    folder = tmp_path_factory.mktemp("tables") / "run"
+    command = run_command(evaluations=EVALUATIONS, batch_size=BATCH)(CELL, folder)
+    assert command[1:3] == ("-m", "lqd_search")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run_recorder, "draw_heat_map", lambda *_, **__: b"a picture")
+        CliRunner().invoke(lqd, command[3:], catch_exceptions=False)
+    return folder
 
 
 @pytest.mark.slow
 def test_a_cell_that_was_killed_goes_on_where_it_was(killed):
-    store, before, kept_before, finished, outcome = killed
+    store, before, kept_before, kept, outcome = killed
 
     assert kept_before == {}
     assert (outcome.failed, outcome.elsewhere) == ({}, [])
-    assert store.load([CELL]) == {CELL: finished[0]}
+    assert store.load([CELL]) == {CELL: kept[0]}
     after = rows(store.run_folder(CELL))
     assert 0 < len(before) < len(after) == EVALUATIONS // BATCH
     # The time that a generation took is another each time: these are the same generations.
@@ -97,17 +112,17 @@ def test_the_figures_are_those_of_the_run(killed):
     assert (figures.switches, figures.functionals) == ((), "")
 
 
-def test_a_run_of_another_cell_is_refused(killed):
-    folder = killed[0].run_folder(CELL)
-
+def test_a_run_of_another_cell_is_refused(finished):
     with pytest.raises(CellError, match=r"Expected the run of the cell faucet\.ga\.seed-6"):
-        read_run(folder, cell=Cell.of("faucet", "ga", 6), steering="direct", machine="", commit="")
+        read_run(
+            finished, cell=Cell.of("faucet", "ga", 6), steering="direct", machine="", commit=""
+        )
 
 
-def test_a_finished_run_whose_figures_were_not_kept_is_not_run_again(killed, tmp_path):
+def test_a_finished_run_whose_figures_were_not_kept_is_not_run_again(finished, tmp_path):
     store = CellStore(tmp_path, EVALUATIONS, BATCH)
     store.prepare()
-    shutil.copytree(killed[0].run_folder(CELL), store.run_folder(CELL))
+    shutil.copytree(finished, store.run_folder(CELL))
 
     outcome = Campaign(store, command=fail_if_called, jobs=1).run(
         [CELL], on_work=ignore, on_cell=ignore
@@ -117,10 +132,10 @@ def test_a_finished_run_whose_figures_were_not_kept_is_not_run_again(killed, tmp
     assert CELL in store.load([CELL])
 
 
-def test_a_run_of_another_scale_does_not_go_on(killed, tmp_path):
+def test_a_run_of_another_scale_does_not_go_on(finished, tmp_path):
     store = CellStore(tmp_path, 2 * EVALUATIONS, BATCH)
     store.prepare()
-    shutil.copytree(killed[0].run_folder(CELL), store.run_folder(CELL))
+    shutil.copytree(finished, store.run_folder(CELL))
     (store.run_folder(CELL) / "summary.json").unlink()
 
     outcome = Campaign(store, command=fail_if_called, jobs=1).run(
@@ -139,16 +154,15 @@ COPY = "import shutil, sys; shutil.copytree(sys.argv[1], sys.argv[2])"
 
 
 @pytest.fixture
-def stand_in(killed, tmp_path):
+def stand_in(finished, tmp_path):
     """Return a command that makes the run folder of each seed but 3 by copying, at once."""
-    template = killed[0].run_folder(CELL)
 
     def command(cell, folder):
         if cell.seed == 3:
             words = "print('a note'); import sys; sys.exit('lqd: Expected luck, but got none.')"
             return [sys.executable, "-S", "-c", words]
         made = tmp_path / f"made-{cell.name}"
-        shutil.copytree(template, made)
+        shutil.copytree(finished, made)
         for name in ("config.json", "summary.json"):
             data = json.loads((made / name).read_text())
             changes = {"seed": cell.seed, "sample": cell.sample}

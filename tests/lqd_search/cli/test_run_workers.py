@@ -83,6 +83,7 @@ def refuse_to_evaluate(*_):
     raise AssertionError("something was evaluated in this process")
 
 
+@pytest.mark.slow
 def test_a_run_on_workers_ends_like_one_without(run, run_again, call, tmp_path, monkeypatch):
     monkeypatch.setattr(MotionEvaluator, "__call__", refuse_to_evaluate)
     status, _, err = call(*run_again, "--out", tmp_path / "there", "--workers", "local:2")
