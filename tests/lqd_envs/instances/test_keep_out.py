@@ -57,7 +57,7 @@ def test_obstacles_keep_clear_of_one_another():
 
 @pytest.mark.parametrize("task", PAPER_TASKS, ids=lambda task: task.name)
 def test_drawn_obstacles_touch_neither_the_object_on_its_way_nor_the_arm_at_home(task):
-    for instance in generate_instances(task, "obstacles", count=10, seed=11):
+    for instance in generate_instances(task, "obstacles", count=4, seed=11):
         assert_free(instance, task)
 
 

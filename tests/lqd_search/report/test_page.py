@@ -264,6 +264,7 @@ CHOOSE = """{
 }"""
 
 
+@pytest.mark.slow
 def test_of_a_run_without_rollouts_nothing_is_shown_and_nothing_plays(
     new_run, archive, look_at, tmp_path
 ):
