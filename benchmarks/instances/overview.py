@@ -8,6 +8,7 @@ from benchmarks.tables.markdown import markdown_table
 from benchmarks.tables.spread import NOTHING
 from lqd_envs import get_task
 
+_NEARLY_ALL = 0.995
 _FIGURES: dict[str, Figure] = {
     "Some motion of the archive solves the instance:": SomeMotion(),
     "One fixed motion, the best one on the other instances, solves it:": BEST_ON_THE_OTHERS,
@@ -45,10 +46,8 @@ def overview_table(results: Results, figure: Figure) -> str:
 
 def _cell(results: Results, task: str, kind: str, method: str, figure: Figure) -> str:
     value = _value(results, task, kind, method, figure)
-    if value is None or 0.995 <= value < 1.0:
-        return _text(value)
-    capped = results.capped(task, kind, INFERRED, methods=[method])
-    bound = "≥ " if figure == SomeMotion() and capped and value < 1.0 else ""
+    lower = figure == SomeMotion() and results.capped(task, kind, INFERRED, methods=[method])
+    bound = "≥ " if lower and value is not None and value < _NEARLY_ALL else ""
     return bound + _text(value)
 
 
@@ -70,4 +69,4 @@ def _text(value: float | None) -> str:
     if value is None:
         return NOTHING
     # What is rounded to all is not all.
-    return "> 99%" if 0.995 <= value < 1.0 else f"{value:.0%}"
+    return "> 99%" if _NEARLY_ALL <= value < 1.0 else f"{value:.0%}"

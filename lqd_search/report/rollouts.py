@@ -11,7 +11,7 @@ from lqd_envs import Infos, Task, Trajectories, rollout
 from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
 from lqd_search.report.numbers import rounded, whole
 from lqd_search.report.scene_parts import STEP, Part, moving_bodies, scene_parts
-from lqd_search.runs.replay import perceived
+from lqd_search.runs.replay import carry_out, perceived
 from lqd_search.runs.stored_archive import StoredArchive
 
 
@@ -106,13 +106,12 @@ def _played(
     """Return (76, b, 7) poses of the bodies that move, and what is perceived at these moments."""
     model, data = _simulation(env)
     bodies = moving_bodies(model)
-    _, info = env.reset(options={"arm": trajectories.plan.starts[row]})
-    frames, infos = [_pose(data, bodies)], [perceived(info)]
-    for action in trajectories.plan.actions[row]:
-        _, _, _, _, info = env.step(action)
-        frames.append(_pose(data, bodies))
+    plan = trajectories.plan
+    poses, infos = [], []
+    for info in carry_out(env, plan.starts[row], plan.actions[row]):
+        poses.append(_pose(data, bodies))
         infos.append(perceived(info))
-    return np.stack(frames), infos
+    return np.stack(poses), infos
 
 
 def _pose(data: mujoco.MjData, bodies: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -1,6 +1,6 @@
 """Carrying out one stored solution again, step by step, in the single Gymnasium env."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -84,13 +84,32 @@ def play(env: gym.Env[Any, Any], batch: Trajectories) -> Replay:
 def _play(
     env: gym.Env[Any, Any], start: NDArray[np.float64], actions: NDArray[np.float32]
 ) -> tuple[Infos, bool, list[Frame]]:
-    _, info = env.reset(options={"arm": start})
-    infos, frames = [perceived(info)], _frame(env)
-    for action in actions:
-        _, _, _, _, info = env.step(action)
+    infos: Infos = []
+    frames: list[Frame] = []
+    for info in carry_out(env, start, actions):
         infos.append(perceived(info))
         frames += _frame(env)
     return infos, bool(info["is_success"]), frames
+
+
+def carry_out(
+    env: gym.Env[Any, Any], start: NDArray[np.float64], actions: NDArray[np.float32]
+) -> Iterator[Mapping[str, Any]]:
+    """Carry out a motion in an env, one step for each info that is asked for.
+
+    Args:
+        env: The env.
+        start: (7,) joint positions that the motion starts from, rad.
+        actions: (75, 8) its actions.
+
+    Yields:
+        What the env says at the 76 moments, while it is at that moment.
+    """
+    _, info = env.reset(options={"arm": start})
+    yield info
+    for action in actions:
+        _, _, _, _, info = env.step(action)
+        yield info
 
 
 def perceived(info: Mapping[str, Any]) -> Info:
