@@ -8,9 +8,6 @@ from click.testing import CliRunner
 
 from benchmarks.held_parts import count_pairs, describe, main, part_named, part_touched
 from lqd_envs import LQDError, rollout
-from lqd_search.runs.run_config import RunConfig
-from lqd_search.runs.run_folder import ARCHIVE, RunFolder
-from lqd_search.runs.stored_archive import StoredArchive
 
 GRASP = "LQD/Grasp-v0"
 # A grasp of the handle, of the rim, around the body, and a motion that stays in the air.
@@ -25,26 +22,8 @@ SOLUTIONS = np.array(
 
 
 @pytest.fixture
-def make_run(tmp_path):
+def make_run(make_folder):
     def make(task):
-        config = RunConfig(
-            task=task,
-            instruction="Grasp the mug",
-            method="ours",
-            seed=0,
-            sample=0,
-            evaluations=100,
-            batch_size=10,
-            failure_competition="fitness",
-            explored=3,
-            llm="replay",
-            prompt_hashes={},
-            model="a model",
-            provenance="Made up for a test.",
-            functionals="",
-            lengths={},
-        )
-        folder = RunFolder.create(tmp_path / "run", config=config, functionals=())
         motions, approved = rollout(GRASP, SOLUTIONS), np.array([True, True, True, False])
         fields = {
             "solution": SOLUTIONS,
@@ -55,8 +34,7 @@ def make_run(tmp_path):
             "ground_truth": motions.ground_truth(),
             "digest": motions.digests(),
         }
-        (folder.path / ARCHIVE).write_bytes(StoredArchive(fields, {}).to_bytes())
-        return folder.path
+        return make_folder("run", fields, task=task)
 
     return make
 

@@ -5,9 +5,6 @@ import pytest
 
 from benchmarks.instances import report
 from lqd_envs import get_task, rollout
-from lqd_search.runs.run_config import RunConfig
-from lqd_search.runs.run_folder import ARCHIVE, RunFolder
-from lqd_search.runs.stored_archive import StoredArchive
 
 FAUCET = "LQD/Faucet-v0"
 # Each is a success in the task itself, but for the last one, which stays in the air.
@@ -51,29 +48,11 @@ def drawn(monkeypatch):
 
 
 @pytest.fixture
-def make_run(tmp_path, fields):
+def make_run(make_folder, fields):
     """Return a way to make the folder of a finished run whose archive has some of the motions."""
 
     def make(name="one", *, rows=slice(None), method="ours", seed=0, settings=None, **columns):
-        config = RunConfig(
-            task=FAUCET,
-            instruction="Turn on the hot water",
-            method=method,
-            seed=seed,
-            sample=0,
-            **{"evaluations": 100, "batch_size": 10, "failure_competition": "fitness"}
-            | (settings or {}),
-            explored=3,
-            llm="replay",
-            prompt_hashes={},
-            model="a model",
-            provenance="Made up for a test.",
-            functionals="",
-            lengths={},
-        )
-        folder = RunFolder.create(tmp_path / name, config=config, functionals=())
         chosen = {key: column[rows] for key, column in (fields | columns).items()}
-        (folder.path / ARCHIVE).write_bytes(StoredArchive(chosen, {}).to_bytes())
-        return folder.path
+        return make_folder(name, chosen, task=FAUCET, method=method, seed=seed, **(settings or {}))
 
     return make
