@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lqd_envs import LQDError
 from lqd_envs.atomic_file import write_atomically
 from lqd_envs.instances import Instance
+from lqd_search.runs.new_file import why_no_new_file
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,16 +70,9 @@ def check_solution_path(path: Path) -> None:
     Raises:
         LQDError: There is something already, or its folder does not exist.
     """
-    try:
-        path.lstat()
-        why = "it exists already"
-    except FileNotFoundError:
-        if path.absolute().parent.is_dir():
-            return
-        why = "its folder does not exist"
-    except OSError as error:
-        why = f"it cannot be used ({error.strerror})"
-    raise _cannot(path, why)
+    why = why_no_new_file(path)
+    if why is not None:
+        raise _cannot(path, f"it {why}")
 
 
 def _cannot(path: Path, why: str) -> LQDError:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lqd_envs import LQDError
+from lqd_search.runs.new_file import why_no_new_file
 from lqd_search.runs.replay import Frame
 
 _FRAMES_PER_SECOND = 50
@@ -23,16 +24,9 @@ def check_video_path(video: Path) -> None:
             f"Expected the name of an .mp4 file for the video, got {video}; choose one such as "
             "film.mp4."
         )
-    try:
-        video.lstat()
-        why = "exists already"
-    except FileNotFoundError:
-        if video.absolute().parent.is_dir():
-            return
-        why = "is in a folder that does not exist"
-    except OSError as error:
-        why = f"cannot be used ({error.strerror})"
-    raise LQDError(f"Expected a new file for the video, but {video} {why}; choose another.")
+    why = why_no_new_file(video)
+    if why is not None:
+        raise LQDError(f"Expected a new file for the video, but {video} {why}; choose another.")
 
 
 def write_video(video: Path, frames: tuple[Frame, ...]) -> None:

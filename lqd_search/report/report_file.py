@@ -4,6 +4,7 @@ from pathlib import Path
 
 from lqd_envs import LQDError
 from lqd_envs.atomic_file import write_atomically
+from lqd_search.runs.new_file import why_no_new_file
 
 GENERATOR = "lqd report"
 """What the page's head names as its maker."""
@@ -25,18 +26,13 @@ def check_report_path(path: Path) -> None:
             f"Expected the name of an .html file for the report, got {path}; choose one such as "
             "report.html."
         )
-    try:
-        path.lstat()
-        if path.is_file() and _is_report(path):
-            return
-        why = "exists already and is no report"
-    except FileNotFoundError:
-        if path.absolute().parent.is_dir():
-            return
-        why = "is in a folder that does not exist"
-    except OSError as error:
-        why = f"cannot be used ({error.strerror})"
-    raise LQDError(f"Expected a new file for the report, but {path} {why}; choose another.")
+    why = why_no_new_file(path)
+    if why is None or _is_report(path):
+        return
+    raise LQDError(
+        f"Expected a new file for the report, or an earlier report, but {path} {why}; choose "
+        "another."
+    )
 
 
 def write_report(path: Path, page: str) -> None:
@@ -56,5 +52,11 @@ def write_report(path: Path, page: str) -> None:
 
 
 def _is_report(path: Path) -> bool:
-    with path.open("rb") as file:
-        return f'content="{GENERATOR}"'.encode() in file.read(_HEAD)
+    try:
+        if not path.is_file():
+            return False
+        with path.open("rb") as file:
+            return f'content="{GENERATOR}"'.encode() in file.read(_HEAD)
+    except OSError:
+        # What cannot be read is not replaced.
+        return False

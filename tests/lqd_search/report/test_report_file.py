@@ -20,8 +20,8 @@ def test_an_earlier_report_may_be_replaced(new_run, tmp_path):
     ("name", "reason"),
     [
         ("report.txt", "Expected the name of an .html file for the report"),
-        ("other.html", "exists already and is no report"),
-        ("folder.html", "exists already and is no report"),
+        ("other.html", "or an earlier report, but .* exists already; choose another"),
+        ("folder.html", "or an earlier report, but .* exists already; choose another"),
         ("nowhere/report.html", "is in a folder that does not exist"),
         ("other.html/report.html", r"cannot be used \(Not a directory\)"),
     ],
