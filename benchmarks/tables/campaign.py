@@ -104,6 +104,8 @@ class Campaign:
             except LQDError as error:
                 outcome.failed[cell] = str(error)
                 return
+            if not folder.exists():
+                self._store.forget_commits(cell)
             self._store.note_commit(cell, describe_commit())
             process = CellProcess(
                 cell,

@@ -2,6 +2,7 @@
 
 import csv
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -87,8 +88,12 @@ class CellProcess:
         if not status:
             return None
         lines = self._log.read_text(errors="replace").split("\n")
-        last = next((line for line in reversed(lines) if line.strip()), "it printed nothing")
-        return f"exit status {status}: {last.strip()}"
+        last = next((line for line in reversed(lines) if line.strip()), "nothing")
+        if status > 0:
+            return f"exit status {status}: {last.strip()}"
+        # It had no time to say why; too little memory is the usual reason.
+        ended = signal.strsignal(-status) or "a signal"
+        return f"ended from outside ({ended}), after it had printed: {last.strip()}"
 
     @property
     def evaluations(self) -> int:

@@ -49,6 +49,10 @@ class CellStore:
         with self._commits(cell).open("a") as file:
             file.write(f"{commit}\n")
 
+    def forget_commits(self, cell: Cell) -> None:
+        """Begin the list of commits anew: that of an earlier run of the cell, if there is one."""
+        self._commits(cell).unlink(missing_ok=True)
+
     def commits(self, cell: Cell) -> list[str]:
         """Return at which commits the cell's run was begun and gone on with, each once."""
         path = self._commits(cell)
@@ -63,17 +67,19 @@ class CellStore:
                 should share.
         """
         found = {cell: self._read(cell) for cell in cells if self._path(cell).exists()}
-        _check_functionals(found.values())
+        self._check_functionals(found.values())
         return found
 
     def keep(self, figures: CellFigures) -> Path:
         """Write the figures of a finished cell.
 
         Raises:
-            CellError: They are of another budget, another generation or other switches.
+            CellError: They are of another budget, another generation or other switches; or they
+                and those of a cell that is kept differ in the functionals that they should share.
         """
         path = self._path(figures.cell)
         self._check(figures, figures.cell, path)
+        self._check_functionals([*self._alike(figures.cell), figures])
         write_atomically(path, figures.to_json().encode())
         return path
 
@@ -118,21 +124,22 @@ class CellStore:
 
     def _read(self, cell: Cell) -> CellFigures:
         path = self._path(cell)
-        try:
-            figures = CellFigures.from_json(path.read_text())
-        except CellError as error:
-            raise CellError(f"{path}: {error}") from error
+        figures = _figures(path)
         self._check(figures, cell, path)
         return figures
 
     def _check(self, figures: CellFigures, cell: Cell, path: Path) -> None:
-        budget = (self.evaluations, self.batch_size)
-        if figures.cell != cell or (figures.evaluations, figures.batch_size) != budget:
+        if figures.cell != cell:
             raise CellError(
-                f"Expected the cell {cell.name} of {self.evaluations} evaluations, "
-                f"{self.batch_size} a generation, in {path}, but got {figures.cell.name} of "
-                f"{figures.evaluations}, {figures.batch_size} a generation; give each scale a "
-                "folder of its own with --out."
+                f"Expected the cell {cell.name} in {path}, but got {figures.cell.name}; delete "
+                "the file, and the cell is run again."
+            )
+        if (figures.evaluations, figures.batch_size) != (self.evaluations, self.batch_size):
+            raise CellError(
+                f"Expected a cell of {self.evaluations} evaluations, {self.batch_size} a "
+                f"generation, in {path}, but got one of {figures.evaluations}, "
+                f"{figures.batch_size} a generation; name a folder of the same scale, or one "
+                "that is new."
             )
         # A variant of `ours` is no method, and has none.
         known = METHODS.get(cell.method)
@@ -144,18 +151,29 @@ class CellStore:
                 "and the cell is run again."
             )
 
+    def _alike(self, cell: Cell) -> list[CellFigures]:
+        """Return what is kept of other cells with the same task and recording."""
+        alike = self._cells.glob(f"{cell.task}.*.sample-{cell.sample}.json")
+        return [_figures(path) for path in sorted(alike) if path != self._path(cell)]
 
-def _check_functionals(found: Iterable[CellFigures]) -> None:
-    first: dict[tuple[str, int, str], CellFigures] = {}
-    for figures in found:
-        one = first.setdefault((figures.task, figures.sample, figures.steering), figures)
-        if one.functionals != figures.functionals:
-            raise CellError(
-                f"Expected the same functionals in the cells {one.cell.name} and "
-                f"{figures.cell.name}, but their digests are {one.functionals} and "
-                f"{figures.functionals}; delete those that are out of date, and they are run "
-                "again."
-            )
+    def _check_functionals(self, found: Iterable[CellFigures]) -> None:
+        first: dict[tuple[str, int, str], CellFigures] = {}
+        for figures in found:
+            one = first.setdefault((figures.task, figures.sample, figures.steering), figures)
+            if one.functionals != figures.functionals:
+                raise CellError(
+                    f"Expected the same functionals in the cells {one.cell.name} and "
+                    f"{figures.cell.name}, but their digests are {one.functionals} and "
+                    f"{figures.functionals}; of those that are out of date, delete the files in "
+                    f"{self._cells} and the folders in {self._runs}, and they are run again."
+                )
+
+
+def _figures(path: Path) -> CellFigures:
+    try:
+        return CellFigures.from_json(path.read_text())
+    except CellError as error:
+        raise CellError(f"{path}: {error}") from error
 
 
 def _listed(switches: tuple[str, ...]) -> str:

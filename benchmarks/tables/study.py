@@ -61,9 +61,9 @@ class Study:
         Raises:
             StudyError: One of them is not declared at this scale.
         """
-        _check("tasks", tasks, [cell.task for cell in self.cells])
-        _check("methods", methods, [cell.method for cell in self.cells])
-        _check("seeds", seeds, [cell.seed for cell in self.cells])
+        _check(tasks, [cell.task for cell in self.cells])
+        _check(methods, [cell.method for cell in self.cells])
+        _check(seeds, [cell.seed for cell in self.cells])
         return [
             cell
             for cell in self.cells
@@ -124,12 +124,12 @@ TABLES = {
 
 
 def _check(
-    what: str, given: Sequence[str] | Sequence[int] | None, known: Sequence[str] | Sequence[int]
+    given: Sequence[str] | Sequence[int] | None, known: Sequence[str] | Sequence[int]
 ) -> None:
     unknown = [one for one in given or () if one not in known]
     if unknown:
         names = ", ".join(map(str, dict.fromkeys(known)))
         raise StudyError(
-            f"Expected {what} among {names}, which are those declared at this scale, but got "
+            f"Expected some of {names}, which are declared at this scale, but got "
             f"{', '.join(map(str, unknown))}; leave it out."
         )

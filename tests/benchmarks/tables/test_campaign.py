@@ -150,7 +150,7 @@ def fail_if_called(_cell, _folder):
     raise AssertionError("this run is finished, or of another scale")
 
 
-COPY = "import shutil, sys; shutil.copytree(sys.argv[1], sys.argv[2])"
+COPY = "import shutil, sys; shutil.copytree(sys.argv[1], sys.argv[2], dirs_exist_ok=True)"
 
 
 @pytest.fixture
@@ -189,11 +189,26 @@ def test_a_cell_that_fails_does_not_keep_the_others_from_being_run(stand_in, tmp
     assert list(store.load(cells(1, 2, 3, 4, 5))) == cells(1, 2, 4, 5)
 
 
-def test_all_commits_that_a_cell_was_run_at_are_kept(stand_in, tmp_path, monkeypatch):
+def test_a_cell_that_was_killed_from_outside_says_so(tmp_path):
+    store = CellStore(tmp_path / "out", EVALUATIONS, BATCH)
+    words = "print('12 of 96', flush=True); import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
+
+    outcome = Campaign(store, command=lambda *_: [sys.executable, "-S", "-c", words], jobs=1).run(
+        [CELL], on_work=ignore, on_cell=ignore
+    )
+
+    assert outcome.failed == {CELL: "ended from outside (Killed), after it had printed: 12 of 96"}
+
+
+def test_all_commits_that_a_cell_was_run_at_are_kept(stand_in, finished, tmp_path, monkeypatch):
     store = CellStore(tmp_path / "out", EVALUATIONS, BATCH)
     store.prepare()
     one, other = cells(1, 2)
+    shutil.copytree(finished, store.run_folder(one))
+    (store.run_folder(one) / "summary.json").unlink()
     store.note_commit(one, "earlier")
+    # Its run was deleted, to be run again.
+    store.note_commit(other, "deleted")
     commits = iter(["begun", "ended", "same", "same"])
     monkeypatch.setattr(campaign, "describe_commit", lambda: next(commits))
 

@@ -34,14 +34,14 @@ def test_the_runs_are_not_for_a_repository(store):
 
 
 def test_a_folder_has_the_cells_of_one_scale(store, make_figures):
-    with pytest.raises(CellError, match=r"Expected the cell .* of 320 .*, but got .* of 640, 8 a"):
+    with pytest.raises(CellError, match=r"Expected a cell of 320 .*, but got one of 640, 8 a"):
         store.keep(make_figures(CELL, evaluations=640))
-    with pytest.raises(CellError, match=r", 8 a generation, in .*, but got .* of 320, 16 a gen"):
+    with pytest.raises(CellError, match=r", 8 a generation, in .*, but got one of 320, 16 a gen"):
         store.keep(make_figures(CELL, batch_size=16))
 
     store.keep(make_figures(CELL))
     with pytest.raises(
-        CellError, match=r"of 640 evaluations, 8 .*, but got .* of 320, 8 a generation; give"
+        CellError, match=r"of 640 .*, but got one of 320, 8 a generation; name a folder of the"
     ):
         replace(store, evaluations=640).load([CELL])
 
@@ -50,7 +50,9 @@ def test_a_file_in_the_place_of_another_cell_is_refused(store, make_figures):
     path = store.keep(make_figures(CELL))
     path.rename(path.with_name("faucet.ours.seed-4.sample-4.json"))
 
-    with pytest.raises(CellError, match=r"Expected the cell faucet\.ours\.seed-4.*seed-3"):
+    with pytest.raises(
+        CellError, match=r"the cell faucet\.ours\.seed-4.*seed-3.*; delete the file"
+    ):
         store.load([Cell.of("faucet", "ours", 4)])
 
 
@@ -78,11 +80,17 @@ def test_cells_of_a_recording_have_its_functionals(store, make_figures):
     store.keep(make_figures(Cell.of("faucet", "direct", 3), functionals="", steering="direct"))
     assert len(store.load(cells)) == 2
 
-    store.keep(make_figures(cells[1], functionals="old"))
-    with pytest.raises(
-        CellError,
-        match=r"in the cells faucet\.ours\.seed-3\S+ and .*seed-8\S+, .* new and old; del",
-    ):
+    message = (
+        r"in the cells faucet\.ours\.seed-3\S+ and .*seed-8\S+, .* new and old; of those that are "
+        r"out of date, delete the files in \S+/cells and the folders in \S+/runs"
+    )
+    with pytest.raises(CellError, match=message):
+        store.keep(make_figures(cells[1], functionals="old"))
+    assert len(store.load(cells)) == 2
+
+    other = store.out / "cells" / f"{cells[1].name}.json"
+    other.write_text(make_figures(cells[1], functionals="old").to_json())
+    with pytest.raises(CellError, match=message):
         store.load(cells)
 
 

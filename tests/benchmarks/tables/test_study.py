@@ -43,9 +43,9 @@ def test_some_cells_can_be_chosen():
 @pytest.mark.parametrize(
     ("choice", "message"),
     [
-        ({"tasks": ["kettle"]}, "Expected tasks among .*grasp.*, but got kettle; leave it out"),
-        ({"seeds": [4, 10]}, "Expected seeds among 0, .*9, which .*, but got 10; leave it out"),
-        ({"methods": ["best"]}, "Expected methods among ours, direct, .*, but got best"),
+        ({"tasks": ["kettle"]}, "Expected some of .*grasp.*, but got kettle; leave it out"),
+        ({"seeds": [4, 10]}, "Expected some of 0, .*9, which .*, but got 10; leave it out"),
+        ({"methods": ["best"]}, "Expected some of ours, direct, .*, but got best"),
     ],
 )
 def test_what_is_not_declared_is_refused(choice, message):
