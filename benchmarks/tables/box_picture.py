@@ -24,7 +24,7 @@ def draw_boxes(results: Results, task: str) -> Figure:
         task: Short name of the task.
     """
     figure = new_figure(11.0, 7.6)
-    figure.suptitle(f"{task}: all seeds, boxes from quartile to quartile")
+    figure.suptitle(f"{task}: a point for each finished seed, boxes from quartile to quartile")
     panels = figure.subplots(2, 2, sharex=True).flat
     for axes, (where, measure) in zip(panels, _PANELS, strict=True):
         axes.set_title(where + measure.title)
@@ -35,14 +35,15 @@ def draw_boxes(results: Results, task: str) -> Figure:
 
 
 def _draw(axes: Axes, results: Results, task: str, measure: Measure) -> None:
-    methods = results.study.methods
+    methods, labels = results.study.methods, []
     for place, method in enumerate(methods):
         values = [measure.of(cell) for cell in results.group(task, method)]
         if values:
             axes.boxplot(values, positions=[place], widths=_WIDTH, whis=(0, 100), showfliers=False)
         # Beside each other in the order of the seeds, so that equal ones are seen.
         n = len(values)
+        labels.append(f"{method} ({n})")
         places = [place + _WIDTH * ((i + 0.5) / n - 0.5) for i in range(n)]
         axes.plot(places, values, ".", color=f"C{place}", alpha=0.8)
-    axes.set_xticks(range(len(methods)), methods, rotation=20)
+    axes.set_xticks(range(len(methods)), labels, rotation=20)
     axes.set_xlim(-0.6, len(methods) - 0.4)

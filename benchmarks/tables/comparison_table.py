@@ -10,6 +10,12 @@ from benchmarks.tables.measures import BY_NAME, Measure
 from benchmarks.tables.results import Results
 from benchmarks.tables.spread import NOTHING
 
+_INTERVALS = (
+    "The intervals are percentile bootstraps over the seeds, too narrow with so few; where every "
+    "run of the one is beyond every run of the other they have no width at all. Seeds that share "
+    "a recording share what the model wrote: tests and intervals speak for these recordings, and "
+    "say little of other replies."
+)
 _BY_CAPACITY = (
     "A comparison is decided *by capacity* where every archive of the one holds more successes, or "
     "fills more cells, than an archive of the other has room for elites, whatever it finds."
@@ -22,18 +28,20 @@ def comparison_section(results: Results) -> str:
     n = len(results.study.seeds)
     reachable = min(1.0, smallest_p(n) * len(family))
     reach = (
-        f"{len(found)} of the {len(family)} declared comparisons are complete. Each p value is "
-        "two-sided (Mann-Whitney U) and adjusted by Holm's procedure for the whole family, in "
-        "which a comparison that is missing counts as p = 1. With "
+        f"{len(found)} of the {len(family)} declared comparisons are complete. *p* is that of a "
+        "two-sided Mann-Whitney U test, exact unless something else is said; *p, adjusted* is "
+        "corrected by Holm's procedure for the whole family, in which a comparison that is missing "
+        "counts as p = 1. A12 is the probability that a run of the first has the larger value, a "
+        "tie counting half. With "
         f"{n} {'seed' if n == 1 else 'seeds'} against {n} the smallest p value that can be is "
         f"{_p(smallest_p(n))}, and the smallest adjusted one {_p(reachable)}"
     )
     if reachable > 0.05:
         reach += (
             ": at this scale no comparison can be significant at 5 %, and only the effect sizes "
-            "and their intervals say something"
+            "say something"
         )
-    return f"{reach}.\n\n{_BY_CAPACITY}\n\n{_table(results, found)}"
+    return "\n\n".join([f"{reach}.", _INTERVALS, _BY_CAPACITY, _table(results, found)])
 
 
 def _table(results: Results, found: Sequence[Comparison]) -> str:

@@ -1,10 +1,13 @@
 """The paper's own figures, as far as they are at hand, each with its source."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks.tables.measures import BY_NAME
+from benchmarks.tables.study import METHODS, TASKS
 from lqd_envs import LQDError
 from lqd_search.runs.json_form import FormError, check_form
 
@@ -73,19 +76,23 @@ class PaperFigures:
         """Return what the file holds.
 
         Raises:
-            PaperError: It has another form.
+            PaperError: It has another form, or names a task, a method or a measure that is none.
         """
-        data: Any = json.loads(path.read_text())
         try:
+            data: Any = json.loads(path.read_text())
             check_form(data, cls)
-        except FormError as error:
+        except (FormError, json.JSONDecodeError) as error:
             raise PaperError(
                 f"Expected the paper's figures in {path}, but {error}; correct the file."
             ) from error
-        return cls(
-            figures=tuple(PaperFigure(**one) for one in data["figures"]),
-            remarks=tuple(PaperRemark(**one) for one in data["remarks"]),
-        )
+        figures = tuple(PaperFigure(**one) for one in data["figures"])
+        remarks = tuple(PaperRemark(**one) for one in data["remarks"])
+        for one in (*figures, *remarks):
+            _check("task", one.task, TASKS)
+            _check("measure", one.measure, tuple(BY_NAME))
+        for figure in figures:
+            _check("method", figure.method, METHODS)
+        return cls(figures, remarks)
 
     def text(self, task: str, method: str, measure: str) -> str:
         """Return the paper's mean ± standard deviation, or that it is not at hand."""
@@ -93,3 +100,11 @@ class PaperFigures:
             if (one.task, one.method, one.measure) == (task, method, measure):
                 return f"{one.mean:,g}" if one.std is None else f"{one.mean:,g} ± {one.std:,g}"
         return NOT_AT_HAND
+
+
+def _check(what: str, name: str, known: Sequence[str]) -> None:
+    if name not in known:
+        raise PaperError(
+            f"Expected a {what} of the paper's figures among {', '.join(known)}, but got {name!r}; "
+            "correct it."
+        )

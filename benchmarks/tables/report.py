@@ -18,6 +18,17 @@ from benchmarks.tables.study import Study
 from benchmarks.tables.task_tables import condition_table, final_archive_table, outcome_table
 from lqd_envs.atomic_file import write_atomically
 
+_WHAT_COUNTS = (
+    "Successes are those of the expert's condition. The final archive is what a method puts out, "
+    "the outcome archive all distinct successes that it met on its way, whatever became of them. "
+    "docs/benchmarks.md has the measures, what was declared beforehand, and how far the intervals "
+    "can be trusted."
+)
+_CURVES = (
+    "The curves of the final archive show the one that is being filled at that time. Each short "
+    "run of the fitness exploration fills its own, so that those of `ours` fall where one ends."
+)
+
 Sections = Callable[[Results], Mapping[str, str]]
 """Returns the sections of a report, by heading."""
 
@@ -39,7 +50,7 @@ def write_report(out: Path, results: Results, *, sections: Sections) -> list[Pat
         parts += [f"## {heading}", text]
     if pictures:
         names = [name for name in pictures if name.endswith(".png")]
-        parts += ["## Pictures", "\n\n".join(f"![{n}](pictures/{n})" for n in names)]
+        parts += ["## Pictures", _CURVES, "\n\n".join(f"![{n}](pictures/{n})" for n in names)]
     files = {
         out / "tables.md": ("\n\n".join(parts) + "\n").encode(),
         out / "tables.csv": long_form(results).encode(),
@@ -74,12 +85,13 @@ def describe(results: Results) -> str:
     sentences = [
         f"{len(cells)} of {len(study.cells)} cells are finished, of {study.evaluations:,} "
         f"evaluations each, {study.batch_size:,} a generation; seeds {seeds}, seed k with "
-        f"recording k mod {RECORDINGS}{_crossed(study)}."
+        f"recording k mod {RECORDINGS}{_crossed(study)}.",
+        _WHAT_COUNTS,
     ]
     if cells:
         hours = sum(cell.seconds for cell in cells) / 3600
         sentences += [
-            f"Together they took {hours:.1f} hours, each on one thread.",
+            f"They took {hours:.1f} hours in all, each on one thread.",
             *describe_made_on(cells),
             _commits(cells),
             *dict.fromkeys(f"Model: {cell.model}. {cell.provenance}" for cell in cells),

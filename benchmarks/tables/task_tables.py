@@ -21,9 +21,12 @@ from benchmarks.tables.spread import NOTHING
 _CAPACITY = "elites it can hold, median"
 _JUDGED_ONLY = (
     "Over all valid motions of a run, and over the distinct elites of its final archive. `random` "
-    "and `ga` are not steered by the condition: it only judges what they come by. The condition of "
-    "`direct` is the one that the model wrote together with all else, that of `mesh` the one "
-    "that it wrote on its own: they are two conditions, and not two searches with the same."
+    "and `ga` are not steered by the condition: it only judges what they come by. The condition "
+    "of `direct` is the one that the model wrote together with all else, that of `mesh` the one "
+    "that it wrote on its own: they are two conditions, and not two searches with the same. What "
+    "recall comes to depends on which motions a search makes: rows of different methods do not "
+    "tell which condition is better, and those of `random`, which no condition steers, are the "
+    "ones to compare tasks by."
 )
 
 
@@ -64,7 +67,7 @@ def variant_table(results: Results, task: str) -> str:
 def condition_table(results: Results) -> str:
     """Return precision and recall of the inferred success condition, judged by the expert's."""
     measures = (PRECISION, RECALL, ELITE_PRECISION, ELITE_RECALL)
-    head = ["task", "method", "condition", "runs"]
+    head = ["task", "method", "condition", "runs", "expert's successes, median"]
     for measure in measures:
         head += [f"{measure.title}, mean ± std", "median [IQR]"]
     rows = []
@@ -73,7 +76,8 @@ def condition_table(results: Results) -> str:
             cells = [cell for cell in results.group(task, method) if cell.inferred]
             if cells:
                 texts = [_texts(results, task, method, m, digits=3) for m in measures]
-                row = [task, method, cells[0].steering, str(len(cells))]
+                successes = np.median([cell.expert_successes for cell in cells])
+                row = [task, method, cells[0].steering, str(len(cells)), f"{successes:,.0f}"]
                 rows.append([*row, *(text for pair in texts for text in pair)])
     return f"{_JUDGED_ONLY}\n\n{markdown_table(head, rows, words=3)}"
 

@@ -40,12 +40,18 @@ class Variances:
     columns: Share
     rest: Share
 
+    @property
+    def but_rows(self) -> Share:
+        """Columns and rest together."""
+        rows, variance = self.rows, self.columns.variance + self.rest.variance
+        return Share(variance, 1.0 - rows.share, low=1.0 - rows.high, high=1.0 - rows.low)
+
 
 def split_variance(table: NDArray[np.float64], *, rng: np.random.Generator) -> Variances:
     """Estimate how much rows and columns, as random factors, contribute to the variance.
 
     The estimates are those of the analysis of variance, negative ones being set to 0. The intervals
-    are generalized confidence intervals: each mean square is divided by draws of its chi-squared
+    are generalized confidence intervals: each sum of squares is divided by draws of its chi-squared
     distribution, which supposes normal effects.
 
     Args:

@@ -100,12 +100,13 @@ def test_the_comparisons_are_those_that_were_declared(tables):
 
 
 def test_a_comparison_that_capacity_decides_is_marked(study, make_figures):
-    def marks(*sizes, ground_truth_cells=(70, 80, 90)):
+    def marks(*sizes, ground_truth_cells=(70, 80, 90), room_of_ours=160_000):
         cells = {
             cell: make_figures(
                 cell,
                 success_archive_size=sizes[cell.seed] if cell.method == "ours" else 100,
                 ground_truth_cells=ground_truth_cells[cell.seed],
+                capacity=room_of_ours if cell.method == "ours" else 100,
             )
             for cell in study.cells
         }
@@ -117,6 +118,9 @@ def test_a_comparison_that_capacity_decides_is_marked(study, make_figures):
     assert marks(100, 300, 500) == ["no", "no"]
     assert marks(101, 300, 500, ground_truth_cells=(101, 200, 300)) == ["yes", "yes"]
     assert marks(101, 300, 500, ground_truth_cells=(100, 200, 300)) == ["yes", "no"]
+    # The other one may have more than there is room for in `ours`.
+    assert marks(10, 20, 30, room_of_ours=99) == ["yes", "no"]
+    assert marks(10, 20, 30, room_of_ours=100) == ["no", "no"]
 
 
 def test_the_papers_figures_stand_beside_ours_where_they_are_at_hand(results):
@@ -156,13 +160,14 @@ def test_precision_and_recall_leave_out_what_the_expert_steers(tables):
     table = section(tables, "The inferred success condition")
 
     assert (
-        "| faucet | ours | mesh | 3 | 0.750 ± 0.000 | 0.750 [0.750, 0.750] | 0.562 ± 0.000" in table
+        "| faucet | ours | mesh | 3 | 16 | 0.750 ± 0.000 | 0.750 [0.750, 0.750] | 0.562 ± 0.000"
+        in table
     )
     assert "handcrafted" not in table
 
 
 def test_machine_versions_model_and_duration_are_named(tables):
-    assert "Together they took 5.5 hours, each on one thread." in tables
+    assert "They took 5.5 hours in all, each on one thread." in tables
     assert "Machine: a machine." in tables
     assert "Versions: python 3.11.0; numpy 2.0." in tables
     assert "Model: a model. Made up for a test." in tables
@@ -232,6 +237,33 @@ def test_a_figure_without_a_source_is_refused(tmp_path):
     path.write_text('{"figures": [], "remarks": [{"task": "a", "measure": "b", "text": "c"}]}')
 
     with pytest.raises(PaperError, match=r"Expected the key 'remarks\[0\]\.source'"):
+        PaperFigures.load(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"task": "kettle"}, "Expected a task of the paper's figures among grasp, .*'kettle'"),
+        ({"method": "best"}, "Expected a method of the paper's figures among ours, .*'best'"),
+        ({"measure": "size"}, "Expected a measure of .* among success_archive_size, .*'size'"),
+    ],
+)
+def test_a_name_that_is_none_is_refused(change, message, tmp_path):
+    figure = {"task": "push", "method": "ga", "measure": "outcomes", "mean": 1, "std": None}
+    path = tmp_path / "figures.json"
+    path.write_text(
+        json.dumps({"figures": [figure | {"source": "a table"} | change], "remarks": []})
+    )
+
+    with pytest.raises(PaperError, match=message):
+        PaperFigures.load(path)
+
+
+def test_a_file_that_is_no_json_is_one_sentence(tmp_path):
+    path = tmp_path / "figures.json"
+    path.write_text("{")
+
+    with pytest.raises(PaperError, match=r"Expected the paper's figures in .*; correct the file"):
         PaperFigures.load(path)
 
 

@@ -23,6 +23,11 @@ def test_the_components_are_those_of_the_analysis_of_variance():
     assert variances.columns.share == pytest.approx(4 / 3 / total)
     assert variances.rest.share == pytest.approx(2 / total)
 
+    assert variances.but_rows.variance == pytest.approx(4 / 3 + 2)
+    assert variances.but_rows.share == pytest.approx((4 / 3 + 2) / total)
+    assert variances.but_rows.low == pytest.approx(1 - variances.rows.high)
+    assert variances.but_rows.high == pytest.approx(1 - variances.rows.low)
+
 
 def test_a_negative_estimate_is_nothing():
     variances = split([[0, 1], [1, 0]])

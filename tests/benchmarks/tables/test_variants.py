@@ -21,6 +21,7 @@ from lqd_envs import SolutionSpace, get_task
 from lqd_search import METHODS, Setting, Values, search
 from lqd_search.cli.checked_functionals import CheckedFunctionals
 from lqd_search.evaluation.values import StoppedFunction
+from lqd_search.methods.exploration_budget import ExplorationBudget
 from lqd_search.runs.run_folder import RunFolder
 
 TASK = get_task("LQD/Faucet-v0")
@@ -138,6 +139,20 @@ def test_without_exploration_the_first_fitness_has_all_evaluations():
 
     assert (method.evaluations, method.exploration) == (EVALUATIONS, {})
     assert (method.output()["objective"] == 0.0).all()
+
+
+def test_without_exploration_ranges_are_learned_again_when_it_would_have_ended():
+    sizes = {"evaluations": 800, "batch_size": BATCH}
+    method, grids = VARIANTS["first_fitness"].method(setting(**sizes)), {}
+
+    def observe(_):
+        grids.setdefault(str(method.archive.specs), method.evaluations)
+
+    search(method, Judged(), observe=observe)
+
+    begun, *again = list(grids.values())[-2:]
+    assert begun < ExplorationBudget(**sizes, runs=3).exploration
+    assert again == [ExplorationBudget(**sizes, runs=3).exploration]
 
 
 def test_measures_that_are_left_out_are_the_only_difference():
