@@ -45,6 +45,23 @@ class DirectedSpace(SolutionSpace, Protocol):
         """Return what leads from each of the (n, dim) others to each of the (n, dim) solutions."""
 
 
+def require_method(space: SolutionSpace, name: str) -> None:
+    """Check that a space can do more than every space can.
+
+    Args:
+        space: The space.
+        name: Of a method, such as `repair`.
+
+    Raises:
+        SpaceError: It does not have it.
+    """
+    if not callable(getattr(space, name, None)):
+        raise SpaceError(
+            f"Expected a solution space with the method {name}(), but {type(space).__name__} has "
+            "none; write it, as lqd_search.BoxSpace does, or choose another emitter."
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class BoxSpace:
     """Solutions in a box, varied by Gaussian mutation and brought back by clipping.

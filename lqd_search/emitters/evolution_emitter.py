@@ -10,7 +10,7 @@ from ribs.typing import BatchData, Int
 
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
 from lqd_search.emitters.emitter import EmitterError, Evaluated
-from lqd_search.solution_space import RepairingSpace
+from lqd_search.solution_space import RepairingSpace, require_method
 
 # Greater than any improvement that a fitness is likely to make, and still a number that CMA-ES can
 # compute with.
@@ -33,6 +33,7 @@ class EvolutionEmitter:
 
     Raises:
         EmitterError: There is no strategy, or the step size is not finite and above 0.
+        SpaceError: The space cannot repair.
     """
 
     def __init__(self, space: RepairingSpace, *, strategies: int = 3, sigma0: float = 0.2) -> None:
@@ -41,6 +42,7 @@ class EvolutionEmitter:
                 "Expected at least 1 strategy and a finite first step size above 0, but got "
                 f"{strategies} and {sigma0}; choose others."
             )
+        require_method(space, "repair")
         self._space = space
         self._count = strategies
         self._sigma0 = sigma0

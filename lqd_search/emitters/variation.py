@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ribs.typing import BatchData
 
-from lqd_search.solution_space import DirectedSpace, SolutionSpace
+from lqd_search.solution_space import DirectedSpace, SolutionSpace, require_method
 
 
 class Variation(Protocol):
@@ -58,11 +58,17 @@ class SuccessLine:
         far: Mutates the failures, and knows the way from one solution to another.
         line_std: Standard deviation of the place on the line, of which 0 is the parent and 1 the
             other success.
+
+    Raises:
+        SpaceError: `far` knows no way from one solution to another.
     """
 
     near: SolutionSpace
     far: DirectedSpace
     line_std: float = 0.2
+
+    def __post_init__(self) -> None:
+        require_method(self.far, "difference")
 
     def __call__(
         self, elites: BatchData, parents: NDArray[np.intp], *, rng: np.random.Generator

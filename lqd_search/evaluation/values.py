@@ -74,9 +74,9 @@ class Values:
             may read, such as where it first touched something.
 
     Raises:
-        ValuesError: A column has another length, dtype or number of dimensions, an infinite value,
-            or a row of measures that is NaN only in part; an invalid solution is successful; or a
-            passive and a perceived column have the same name.
+        ValuesError: A column is no array, has another length, dtype or number of dimensions, an
+            infinite value, or a row of measures that is NaN only in part; an invalid solution is
+            successful; or a passive and a perceived column have the same name.
     """
 
     valid: NDArray[np.bool_]
@@ -139,6 +139,11 @@ class Values:
     def _check(
         self, name: str, column: NDArray[Any], *, dtype: type | None = None, ndim: int | None = None
     ) -> None:
+        if not isinstance(column, np.ndarray):
+            raise ValuesError(
+                f"Expected {name} to be a NumPy array, but it is a {type(column).__name__}; "
+                "convert it with np.array."
+            )
         length = self.valid.size
         shape = "(N,)" if ndim == 1 else "(N, d)" if ndim == 2 else "(N, ...)"
         if column.ndim != (ndim or max(column.ndim, 1)) or len(column) != length:

@@ -3,13 +3,20 @@
 import hashlib
 import re
 from collections.abc import Iterable
+from os import PathLike
 from pathlib import Path
 from shlex import quote
 from typing import Any
 
 from lqd_envs import LQDError
 from lqd_envs.atomic_file import write_atomically
-from lqd_search.runs.state_pickle import StateError, Trusted, pickle_state, unpickle_state
+from lqd_search.runs.state_pickle import (
+    StateError,
+    Trusted,
+    UntrustedNameError,
+    pickle_state,
+    unpickle_state,
+)
 
 CHECKPOINT_FORMAT = 2
 """Version of a checkpoint's form; a reader refuses one that it does not know."""
@@ -27,7 +34,9 @@ class NoCheckpointError(CheckpointError):
     """There is no checkpoint."""
 
 
-def save_checkpoint(path: Path, state: Any, *, trusted: Iterable[Trusted] = ()) -> None:
+def save_checkpoint(
+    path: str | PathLike[str], state: Any, *, trusted: Iterable[Trusted] = ()
+) -> None:
     """Write the state of a run; whatever happens, there is a whole checkpoint, this or the last.
 
     Args:
@@ -39,6 +48,7 @@ def save_checkpoint(path: Path, state: Any, *, trusted: Iterable[Trusted] = ()) 
     Raises:
         CheckpointError: It cannot be written, or the state holds something else.
     """
+    path = Path(path)
     try:
         body = pickle_state(state, trusted=trusted)
     except StateError as error:
@@ -62,7 +72,7 @@ def save_checkpoint(path: Path, state: Any, *, trusted: Iterable[Trusted] = ()) 
         ) from error
 
 
-def load_checkpoint(path: Path, *, trusted: Iterable[Trusted] = ()) -> Any:
+def load_checkpoint(path: str | PathLike[str], *, trusted: Iterable[Trusted] = ()) -> Any:
     """Read the state of a run.
 
     The hash finds damage, not malice: whoever changes a checkpoint can change its hash too. What a
@@ -79,6 +89,7 @@ def load_checkpoint(path: Path, *, trusted: Iterable[Trusted] = ()) -> Any:
         NoCheckpointError: There is no such file.
         CheckpointError: It is damaged, of another form, or names what no checkpoint may name.
     """
+    path = Path(path)
     try:
         content = path.read_bytes()
     except FileNotFoundError as error:
@@ -90,6 +101,12 @@ def load_checkpoint(path: Path, *, trusted: Iterable[Trusted] = ()) -> Any:
         raise _unreadable(path, error.strerror or str(error)) from error
     try:
         return unpickle_state(_body(path, memoryview(content)), trusted=trusted)
+    except UntrustedNameError as error:
+        raise CheckpointError(
+            f"Expected a checkpoint in {path} that names nothing but what is trusted, but {error}; "
+            "pass it to load_checkpoint as trusted, as it was to save_checkpoint, if you trust the "
+            "file. A run of `lqd run` never names it: begin that again."
+        ) from error
     except StateError as error:
         raise _unreadable(path, str(error)) from error
 

@@ -11,6 +11,7 @@ from shutil import copytree
 from typing import Any
 
 from lqd_envs.atomic_file import write_atomically
+from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
 from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.functionals_folder import (
     FunctionalsFolderError,
@@ -26,7 +27,7 @@ from lqd_search.runs.run_config import RUN_FORMAT, RunConfig
 from lqd_search.runs.run_folder_error import RunFolderError, cannot_write
 from lqd_search.runs.run_lock import locked
 from lqd_search.runs.run_state import RunState
-from lqd_search.runs.stored_archive import StoredArchive
+from lqd_search.runs.stored_archive import StoredArchive, StoredArchiveError
 from lqd_search.runs.stored_outcomes import Outcomes, load_outcomes
 from lqd_search.runs.summary import Summary
 
@@ -174,7 +175,15 @@ class RunFolder:
             RunFolderError: The run has not finished.
         """
         self._require(ARCHIVE)
-        return StoredArchive.load(self.path / ARCHIVE)
+        archive = StoredArchive.load(self.path / ARCHIVE)
+        missing = [name for name in (EXPERT, GROUND_TRUTH, DIGEST) if name not in archive.fields]
+        if missing:
+            raise StoredArchiveError(
+                f"Expected the columns {', '.join(missing)} of the elites in "
+                f"{self.path / ARCHIVE}, as each run has them, but they are missing; run the search "
+                "again."
+            )
+        return archive
 
     @property
     def state(self) -> KeptState:

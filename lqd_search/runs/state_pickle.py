@@ -102,6 +102,10 @@ class StateError(LQDError):
     """A state that cannot be pickled, or a pickle of none; the text says why, in half a line."""
 
 
+class UntrustedNameError(StateError):
+    """A pickle that names what is neither known nor trusted."""
+
+
 def pickle_state(state: Any, *, trusted: Iterable[Trusted] = ()) -> bytes:
     """Return the pickle of a state.
 
@@ -137,7 +141,8 @@ def unpickle_state(content: bytes | memoryview, *, trusted: Iterable[Trusted] = 
         trusted: As it was given there.
 
     Raises:
-        StateError: It names something else, or cannot be read.
+        UntrustedNameError: It names something else.
+        StateError: It cannot be read.
     """
     try:
         return _StateUnpickler(io.BytesIO(content), trusted).load()
@@ -188,7 +193,7 @@ class _StateUnpickler(_PythonUnpickler):  # type: ignore[misc]
             is_named_so = isinstance(found, type | FunctionType) and _name_of(found) == full
             if is_named_so and _is_known(found):
                 return found
-        raise StateError(f"it names {full}, which no state may name")
+        raise UntrustedNameError(f"it names {full}, which no state may name")
 
     def load_reduce(self) -> None:
         function = self.stack[-2]

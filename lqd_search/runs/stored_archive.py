@@ -21,6 +21,8 @@ _ELITES: Mapping[str, tuple[type[np.generic], int]] = {
     "objective": (np.float64, 1),
     "success": (np.bool_, 1),
     "evaluation": (np.int64, 1),
+}
+_PASSIVE: Mapping[str, tuple[type[np.generic], int]] = {
     EXPERT: (np.bool_, 1),
     GROUND_TRUTH: (np.float64, 2),
     DIGEST: (np.uint64, 1),
@@ -55,7 +57,8 @@ class StoredArchive:
 
     Attributes:
         fields: A column of m rows for each field: `solution`, `objective`, `success` (the inferred
-            condition), `evaluation`, and the passive ones: `expert`, `ground_truth`, `digest`.
+            condition), `evaluation`, and the passive ones, which in a run of `lqd run` are
+            `expert`, `ground_truth` and `digest`.
         grids: The grids by descriptor.
     """
 
@@ -68,7 +71,11 @@ class StoredArchive:
 
     @classmethod
     def of(cls, method: Method) -> "StoredArchive":
-        """Return what of a method's output is stored; without an archive it has no grids."""
+        """Return what of a method's output is stored; without an archive it has no grids.
+
+        Args:
+            method: Any method, with passive columns or without.
+        """
         archive = method.archive
         if archive is None:
             return cls(fields=method.output(), grids={})
@@ -120,7 +127,8 @@ class StoredArchive:
 
 
 def _elite_fields(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    for name, (dtype, ndim) in _ELITES.items():
+    passive = {name: form for name, form in _PASSIVE.items() if f"elites/{name}" in columns}
+    for name, (dtype, ndim) in {**_ELITES, **passive}.items():
         column_of(columns, f"elites/{name}", dtype=dtype, ndim=ndim)
     fields = {
         name.removeprefix("elites/"): column

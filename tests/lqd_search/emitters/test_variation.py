@@ -4,8 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lqd_envs
+from lqd_search.emitters.evolution_emitter import EvolutionEmitter
 from lqd_search.emitters.variation import Mutation, SuccessLine
-from lqd_search.solution_space import BoxSpace
+from lqd_search.solution_space import BoxSpace, SpaceError
 
 STILL = BoxSpace([-100.0, -100.0], [100.0, 100.0], std=0.0)
 MOTIONS = lqd_envs.SolutionSpace()
@@ -17,6 +18,18 @@ def elites_of(solutions, success):
 
 def rng(seed=0):
     return np.random.default_rng(seed)
+
+
+class Plain:
+    """A space that can do no more than every space."""
+
+    dim = 2
+
+    def sample(self, n, *, rng):
+        return rng.random((n, 2))
+
+    def mutate(self, parents, *, rng):
+        return parents + rng.random(parents.shape)
 
 
 class Shifting:
@@ -53,6 +66,15 @@ def test_children_of_successes_lie_on_lines_to_other_successes():
     assert 0.45 < drawn_itself < 0.55
     assert along[along != 0.0].mean() == pytest.approx(0.0, abs=0.02)
     assert along[along != 0.0].std() == pytest.approx(0.2, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [(lambda space: SuccessLine(STILL, space), "difference"), (EvolutionEmitter, "repair")],
+)
+def test_a_space_that_cannot_do_enough_is_refused_at_once(make, name):
+    with pytest.raises(SpaceError, match=rf"with the method {name}\(\), but Plain has none; write"):
+        make(Plain())
 
 
 def test_points_on_lines_are_mutated_finely_and_failures_are_not():

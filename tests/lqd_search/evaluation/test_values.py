@@ -51,6 +51,8 @@ def test_rows_are_the_chosen_solutions_without_the_refusals_of_the_batch():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ({"valid": [True] * 3}, "valid to be a NumPy array, but it is a list; convert it"),
+        ({"fitness": {"reach": [0.0] * 3}}, "fitness 'reach' to be a NumPy array, but it is a li"),
         ({"valid": np.ones((3, 1), bool)}, r"valid to have shape \(N,\)"),
         ({"valid": np.ones(3)}, "valid to have dtype bool, but it has float64"),
         ({"success": np.ones(2, bool)}, r"success to have shape \(N,\) with N = 3.*\(2,\)"),

@@ -4,6 +4,7 @@ import os
 import shutil
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from lqd_search.runs.function_text import FunctionText
@@ -12,7 +13,7 @@ from lqd_search.runs.new_folder import refuse_existing
 from lqd_search.runs.run_config import RunConfig
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_folder_error import RunFolderError
-from lqd_search.runs.stored_archive import StoredArchiveError
+from lqd_search.runs.stored_archive import StoredArchive, StoredArchiveError
 from lqd_search.runs.stored_outcomes import OutcomeError
 
 
@@ -320,3 +321,13 @@ def test_versions_that_are_others_here_are_found():
         "jax": ("0.5", "none"),
         "ribs": ("none", here.versions["ribs"]),
     }
+
+
+def test_an_archive_that_no_run_wrote_is_refused(folder):
+    fields = {"solution": np.zeros((1, 9)), "objective": np.zeros(1), "success": np.ones(1, bool)}
+    archive = StoredArchive(fields=fields | {"evaluation": np.zeros(1, np.int64)}, grids={})
+    (folder.path / "summary.json").write_text("{}")
+    (folder.path / "archive.npz").write_bytes(archive.to_bytes())
+
+    with pytest.raises(StoredArchiveError, match=r"columns expert, ground_truth, digest of the el"):
+        folder.archive()

@@ -8,6 +8,8 @@ from lqd_search.archives.grid_spec import GridSpec
 from lqd_search.archives.multi_bd_archive import MultiBDArchive
 from lqd_search.runs.stored_archive import StoredArchive, StoredArchiveError, StoredGrid
 
+FIELDS = ("solution", "objective", "success", "evaluation")
+
 
 def small_archive() -> StoredArchive:
     return StoredArchive(
@@ -129,6 +131,17 @@ def test_a_flipped_byte_is_found_or_harmless(tmp_path):
         assert same(archive.fields.values(), small_archive().fields.values())
 
 
+def test_an_archive_without_passive_columns_is_read_again(tmp_path):
+    fields = {name: small_archive().fields[name] for name in FIELDS}
+    own = StoredArchive(fields=fields, grids=small_archive().grids)
+    (tmp_path / "own.npz").write_bytes(own.to_bytes())
+
+    read = StoredArchive.load(tmp_path / "own.npz")
+
+    assert tuple(read.fields) == FIELDS
+    assert same(read.fields.values(), fields.values())
+
+
 def test_a_single_array_in_its_place_is_refused(tmp_path):
     path = tmp_path / "archive.npz"
     with path.open("wb") as file:
@@ -140,7 +153,7 @@ def test_a_single_array_in_its_place_is_refused(tmp_path):
 @pytest.mark.parametrize(
     "name",
     [
-        *(f"elites/{field}" for field in small_archive().fields),
+        *(f"elites/{field}" for field in FIELDS),
         *(f"grids/start.pose/{key}" for key in ("ranges", "cells", "elites", "measures")),
     ],
 )
