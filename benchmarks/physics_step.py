@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs import SolutionSpace, Trajectories, get_task
-from lqd_envs.motion import plan_motions
+from lqd_envs.motion import plan_in_scene
 from lqd_envs.rollout import simulate
 from lqd_envs.scene import load_scene
 from lqd_envs.tasks.task import Task
@@ -45,7 +45,7 @@ class Comparison:
 
 def compare(task: Task, *, solutions: NDArray[np.float64]) -> list[Comparison]:
     """Simulate the same motions with each physics step."""
-    plan = plan_motions(load_scene(task), solutions)
+    plan = plan_in_scene(load_scene(task), solutions)
 
     def run(step: float) -> tuple[Trajectories, float]:
         began = time.perf_counter()

@@ -19,7 +19,7 @@ from mujoco.rollout import Rollout
 from numpy.typing import NDArray
 
 from lqd_envs import PAPER_TASKS, ManipulationVectorEnv, SolutionSpace, get_task, rollout
-from lqd_envs.motion import MotionPlan, plan_motions
+from lqd_envs.motion import MotionPlan, plan_in_scene
 from lqd_envs.rollout import simulate
 from lqd_envs.scene import Scene, load_scene
 from lqd_envs.tasks.task import Task
@@ -56,9 +56,9 @@ class Motions:
         found: list[NDArray[np.float64]] = []
         while sum(map(len, found)) < n:
             batch = SolutionSpace().sample(4 * n, rng=rng)
-            found.append(batch[plan_motions(scene, batch).verdicts == Verdict.VALID])
+            found.append(batch[plan_in_scene(scene, batch).verdicts == Verdict.VALID])
         solutions = np.concatenate(found)[:n]
-        return cls(scene=scene, solutions=solutions, plan=plan_motions(scene, solutions))
+        return cls(scene=scene, solutions=solutions, plan=plan_in_scene(scene, solutions))
 
     @property
     def physics_steps(self) -> int:
@@ -142,7 +142,7 @@ def planning_cost(task: Task, *, n: int) -> float:
     scene = load_scene(task)
     solutions = SolutionSpace().sample(n, rng=np.random.default_rng(1))
     began = time.process_time()
-    plan_motions(scene, solutions)
+    plan_in_scene(scene, solutions)
     return 1e3 * (time.process_time() - began) / n
 
 

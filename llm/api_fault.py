@@ -12,7 +12,10 @@ from anthropic import (
 from lqd_llm.request import Request
 
 _GET_A_KEY = "set ANTHROPIC_API_KEY to a key from https://platform.claude.com"
-_WITHOUT_A_KEY = "take the recorded replies with `--llm replay`, which need none"
+_WITHOUT_A_KEY = (
+    "take the recorded replies with `--llm replay`, which need none but are of the tasks' own "
+    "instructions only"
+)
 _LONGEST_MESSAGE = 500
 
 

@@ -35,7 +35,7 @@ class Recording:
 
     Attributes:
         task: Short name of the task, such as `"faucet"`.
-        sample: Number of the sample; seed k of a benchmark uses sample k.
+        sample: Number of the sample, from 0.
         model: The model, as far as it is known.
         provenance: How the replies were taken; shown wherever results rest on them.
         system: The system prompt, the same for every exchange.

@@ -70,8 +70,17 @@ class ReplayProvider:
         )
         return (
             f"{sought}; the nearest is {nearest.file_name}, but {', and '.join(difference.parts)}; "
-            "ask for what is recorded, or take a recording with `--llm record`."
+            f"ask for what is recorded ({_recorded()}), ask a model with `--llm live` or "
+            "`--llm record`, or write functionals of your own for `lqd run --functionals`."
         )
+
+
+def _recorded() -> str:
+    samples = sorted({sample for task in available_tasks() for sample in available_samples(task)})
+    return (
+        f"the instructions of the tasks {', '.join(available_tasks())}, with the samples "
+        f"{', '.join(map(str, samples))}"
+    )
 
 
 def _shipped_recordings() -> Iterator[_Recorded]:

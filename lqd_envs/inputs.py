@@ -119,7 +119,7 @@ def checked_size(width: object, height: object) -> tuple[int, int]:
         )
     if not (0 < width <= MAX_PICTURE[0] and 0 < height <= MAX_PICTURE[1]):
         raise LQDError(
-            f"expected pictures of at most {MAX_PICTURE[0]} x {MAX_PICTURE[1]} pixels, got "
+            f"expected pictures of 1 x 1 to {MAX_PICTURE[0]} x {MAX_PICTURE[1]} pixels, got "
             f"{width} x {height}"
         )
     return int(width), int(height)

@@ -9,10 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from lqd_envs.action import ACTION_DIM, CONTROL_STEP
+from lqd_envs.inputs import checked_threads
 from lqd_envs.kinematics import ArmKinematics, Configurations
-from lqd_envs.scene import Scene
+from lqd_envs.scene import Scene, load_scene
 from lqd_envs.scenes.panda import FINGER_OPEN, FINGER_SQUEEZE
 from lqd_envs.solution_space import MOTION_UNIT, POSITION_UNIT, SolutionSpace
+from lqd_envs.tasks.registry import get_task
 from lqd_envs.tasks.task import Task
 from lqd_envs.verdict import Verdict
 
@@ -58,7 +60,25 @@ def start_poses(task: Task, solutions: NDArray[np.float64]) -> tuple[NDArray[np.
     return positions, Rotation.from_euler("xyz", solutions[:, 3:6])
 
 
-def plan_motions(scene: Scene, solutions: ArrayLike, *, threads: int = 0) -> MotionPlan:
+def plan_motions(task: Task | str, solutions: ArrayLike, *, threads: int = 0) -> MotionPlan:
+    """Find each solution's start and actions, without simulating them.
+
+    Args:
+        task: A task or its id.
+        solutions: (N, 9) feasible solutions.
+        threads: Threads to use; 0: one for each CPU. The result does not depend on it.
+
+    Raises:
+        SolutionError: `solutions` has another shape, a number that is not finite, or a row
+            outside the space.
+        UnknownTaskError: There is no task of that id.
+        LQDError: `threads` is no whole number from 0 on.
+    """
+    found = get_task(task) if isinstance(task, str) else task
+    return plan_in_scene(load_scene(found), solutions, threads=checked_threads(threads))
+
+
+def plan_in_scene(scene: Scene, solutions: ArrayLike, *, threads: int = 0) -> MotionPlan:
     """Find each solution's start and actions, and reject those that have no start.
 
     The fingers close in 0.3 s while the arm holds still; then the gripper moves in a straight

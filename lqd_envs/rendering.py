@@ -43,8 +43,8 @@ class ArrayRenderer:
                 "expected OpenGL to draw a picture with, but MuJoCo could not use it "
                 f"(MUJOCO_GL={os.environ.get('MUJOCO_GL', '')!r}: {error}): without a display "
                 "install EGL (on Debian and Ubuntu `apt-get install libegl1 libgl1`) and import "
-                "lqd_envs before mujoco, or set MUJOCO_GL=egl; everything but pictures works "
-                "without it"
+                "lqd_envs before mujoco, or set MUJOCO_GL=egl before Python starts; everything but "
+                "pictures works without it"
             ) from error
 
     def render(self, data: mujoco.MjData) -> NDArray[np.uint8]:

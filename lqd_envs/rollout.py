@@ -8,7 +8,8 @@ from mujoco.batch import Batch
 from numpy.typing import ArrayLike, NDArray
 
 from lqd_envs.discarded import too_deep, too_fast
-from lqd_envs.motion import MOTION_STEPS, MotionPlan, plan_motions
+from lqd_envs.inputs import checked_threads
+from lqd_envs.motion import MOTION_STEPS, MotionPlan, plan_in_scene
 from lqd_envs.scene import Scene, load_scene
 from lqd_envs.solution_space import SolutionSpace
 from lqd_envs.tasks.registry import get_task
@@ -43,10 +44,12 @@ def rollout(task: Task | str, solutions: ArrayLike, *, threads: int = 0) -> Traj
         SolutionError: `solutions` has another shape, a number that is not finite, or a row
             outside the space.
         UnknownTaskError: There is no task of that id.
+        LQDError: `threads` is no whole number from 0 on.
     """
+    threads = checked_threads(threads)
     scene = load_scene(get_task(task) if isinstance(task, str) else task)
     checked = SolutionSpace().require_feasible(solutions)
-    return simulate(scene, checked, plan_motions(scene, checked, threads=threads), threads=threads)
+    return simulate(scene, checked, plan_in_scene(scene, checked, threads=threads), threads=threads)
 
 
 def simulate(

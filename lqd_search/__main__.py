@@ -2,6 +2,8 @@
 
 import sys
 
+from lqd_search.cli.install import INSTALL_ALL
+
 
 def main() -> None:
     """Run the `lqd` command, or say what it needs."""
@@ -20,7 +22,7 @@ def _run() -> None:
         package = (error.name or "").partition(".")[0]
         sys.stderr.write(
             f"lqd: Expected the packages of the extra `search`, but {package} is not installed; "
-            "run `pip install 'lqd-envs[all]'`.\n"
+            f"{INSTALL_ALL}.\n"
         )
         sys.exit(2)
     run()

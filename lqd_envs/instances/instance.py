@@ -85,7 +85,7 @@ class Instance:
         return not self.obstacles and self.change is None
 
     def apply(self, task: Task) -> Task:
-        """Return the task as it is in this instance, for `rollout` and `load_scene`.
+        """Return the task as it is in this instance, for `rollout` and `plan_motions`.
 
         It has the task's id, perception and centre; its scene and success are the instance's. Its
         nearness is the task's own but for a change, which moves it along with the object: it knows

@@ -5,6 +5,7 @@ from importlib import import_module
 import click
 
 from lqd_envs import LQDError
+from lqd_search.cli.install import INSTALL_ALL
 
 COMMANDS = {
     "run": "Search for many motions that do a task.",
@@ -38,8 +39,8 @@ class Commands(click.Group):
         except ModuleNotFoundError as error:
             package = (error.name or "").partition(".")[0]
             raise LQDError(
-                f"Expected the packages of the extra `search`, but {package} is not installed; run "
-                "`pip install 'lqd-envs[all]'`."
+                f"Expected the packages of the extra `search`, but {package} is not installed; "
+                f"{INSTALL_ALL}."
             ) from error
         command: click.Command = getattr(module, f"{cmd_name}_command")
         return command

@@ -11,6 +11,7 @@ import numpy as np
 
 from lqd_envs import LQDError, get_task
 from lqd_search.cli.corpus_trial import try_corpora
+from lqd_search.cli.install import INSTALL_ALL
 from lqd_search.cli.machine import machine_facts
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def _try(corpora: Sequence[Path], *, task_id: str, threads: int, allow_weak: boo
     except ImportError as error:
         raise LQDError(
             f"Expected the packages of the extra `llm` to try functions, but {error.name} is not "
-            "installed; run `pip install 'lqd-envs[all]'`."
+            f"installed; {INSTALL_ALL}."
         ) from error
 
 
@@ -88,7 +89,7 @@ def _report() -> bool:
     try:
         _print_pairs(machine_facts())
     except PackageNotFoundError as error:
-        click.echo(f"Broken: {error.name} is not installed; run `pip install 'lqd-envs[all]'`.")
+        click.echo(f"Broken: {error.name} is not installed; {INSTALL_ALL}.")
         works = False
     try:
         from lqd_llm.sandbox import probe_layers

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from lqd_envs import LQDError
+from lqd_search.cli.install import INSTALL_ALL
 
 
 @contextmanager
@@ -18,5 +19,5 @@ def llm_extra() -> Iterator[None]:
     except ImportError as error:
         raise LQDError(
             f"Expected the packages of the extra `llm` to infer functionals, but {error.name} is "
-            "not installed; run `pip install 'lqd-envs[all]'`."
+            f"not installed; {INSTALL_ALL}."
         ) from error

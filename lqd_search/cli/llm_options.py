@@ -156,7 +156,7 @@ _OPTIONS = (
         type=click.IntRange(min=0),
         default=0,
         show_default=True,
-        help="Which of several inferences of the same task.",
+        help="Which of several inferences of the same task; 0 to 4 are recorded.",
     ),
     click.option(
         "--model", default=_MODEL, show_default=True, help="Language model that is asked."

@@ -6,6 +6,7 @@ import sys
 from importlib.metadata import PackageNotFoundError, version
 
 from lqd_envs.rendering_backend import has_display
+from lqd_search.cli.install import INSTALL_ALL
 from lqd_search.runs.run_config import installed_versions
 
 _INFERENCE = ("anthropic", "pydantic")
@@ -55,7 +56,7 @@ def _extra() -> str:
         except PackageNotFoundError:
             missing.append(name)
     if missing:
-        return f"not installed ({', '.join(missing)}); run `pip install 'lqd-envs[all]'`"
+        return f"not installed ({', '.join(missing)}); {INSTALL_ALL}"
     return f"installed ({', '.join(there)})"
 
 

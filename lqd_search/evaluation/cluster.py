@@ -37,7 +37,7 @@ def import_distributed() -> Any:
     except ImportError as error:
         raise ClusterError(
             "Expected the packages of the extra `cluster` to evaluate on a cluster, but "
-            f"{error.name} is not installed; run `pip install 'lqd-envs[cluster]'`."
+            f"{error.name} is not installed; run `pip install '.[cluster]'` in a clone of lqd-envs."
         ) from error
     return distributed
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lqd_envs import SolutionSpace, Task, Trajectories
-from lqd_envs.motion import MotionPlan, plan_motions
+from lqd_envs.motion import MotionPlan, plan_in_scene
 from lqd_envs.rollout import simulate
 from lqd_envs.scene import Scene, load_scene
 from lqd_search.evaluation.concatenation import concatenate_values
@@ -90,7 +90,7 @@ class MotionEvaluator:
             simulated = deque[Future[Trajectories]]()
             for start in range(0, max(len(checked), 1), self.chunk):
                 chunk = checked[start : start + self.chunk]
-                plan = planner.submit(plan_motions, scene, chunk, threads=self.threads)
+                plan = planner.submit(plan_in_scene, scene, chunk, threads=self.threads)
                 simulated.append(simulator.submit(self._simulate, scene, chunk, plan))
                 if len(simulated) > _AHEAD:
                     yield simulated.popleft().result()

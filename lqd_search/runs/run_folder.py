@@ -180,8 +180,8 @@ class RunFolder:
         if missing:
             raise StoredArchiveError(
                 f"Expected the columns {', '.join(missing)} of the elites in "
-                f"{self.path / ARCHIVE}, as each run has them, but they are missing; run the search "
-                "again."
+                f"{self.path / ARCHIVE}, as each run has them, but they are missing; run the "
+                "search again."
             )
         return archive
 

@@ -367,7 +367,7 @@ def test_env_without_gymnasium_s_time_limit_goes_on(env):
 
 @pytest.mark.parametrize(("width", "height"), [(0, 480), (2000, 100), (640, 5000), (-1, 5)])
 def test_sizes_that_cannot_be_drawn_are_refused(width, height):
-    with pytest.raises(LQDError, match=r"expected pictures of at most 1920 x 1440 pixels, got"):
+    with pytest.raises(LQDError, match=r"expected pictures of 1 x 1 to 1920 x 1440 pixels, got"):
         ManipulationEnv(width=width, height=height)
 
 

@@ -3,8 +3,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from lqd_envs import SolutionError, Verdict, plan_motions
-from lqd_envs.motion import CLOSING_STEPS, HOLDING_STEPS, MOTION_STEPS, MOVING_STEPS, start_poses
+from lqd_envs import SolutionError, Verdict, get_task, plan_motions
+from lqd_envs.motion import (
+    CLOSING_STEPS,
+    HOLDING_STEPS,
+    MOTION_STEPS,
+    MOVING_STEPS,
+    plan_in_scene,
+    start_poses,
+)
 from lqd_envs.scenes.panda import GRIPPER_SITE
 
 CLOSING = slice(0, 15)
@@ -22,7 +29,7 @@ def plan(trajectories):
 
 @pytest.fixture(scope="module")
 def free(scene):
-    plan = plan_motions(scene, FREE[None])
+    plan = plan_in_scene(scene, FREE[None])
     assert plan.verdicts.tolist() == [Verdict.VALID]
     return plan
 
@@ -123,7 +130,7 @@ def test_rejected_motions_have_no_actions(plan):
     ],
 )
 def test_verdicts_of_known_solutions(scene, solution, verdict):
-    plan = plan_motions(scene, np.array([solution], dtype=np.float64))
+    plan = plan_in_scene(scene, np.array([solution], dtype=np.float64))
 
     assert plan.verdicts.tolist() == [verdict]
 
@@ -149,7 +156,7 @@ def test_every_overlapping_start_is_inside_something(plan, started, robot_contac
 def test_plan_depends_neither_on_the_threads_nor_on_other_rows(scene, solutions, plan, threads):
     rows = np.arange(len(solutions))[40:10:-3]
 
-    again = plan_motions(scene, solutions[rows], threads=threads)
+    again = plan_in_scene(scene, solutions[rows], threads=threads)
 
     assert again.verdicts.tobytes() == plan.verdicts[rows].tobytes()
     assert again.starts.tobytes() == plan.starts[rows].tobytes()
@@ -157,7 +164,7 @@ def test_plan_depends_neither_on_the_threads_nor_on_other_rows(scene, solutions,
 
 
 def test_empty_plan(scene):
-    plan = plan_motions(scene, np.zeros((0, 9)))
+    plan = plan_in_scene(scene, np.zeros((0, 9)))
 
     assert (plan.verdicts.shape, plan.starts.shape) == ((0,), (0, 7))
     assert plan.actions.shape == (0, 75, 8)
@@ -175,4 +182,12 @@ def test_start_poses_are_the_documented_ones(faucet):
 
 def test_wrong_solutions_are_refused(scene):
     with pytest.raises(SolutionError, match=r"shape \(n, 9\), got \(9,\)"):
-        plan_motions(scene, FREE)
+        plan_in_scene(scene, FREE)
+
+
+@pytest.mark.parametrize("named", ["LQD/Faucet-v0", get_task("LQD/Faucet-v0")])
+def test_motions_of_a_task_are_those_in_its_scene(named, free):
+    plan = plan_motions(named, FREE[None])
+
+    for one, other in zip(vars(plan).values(), vars(free).values(), strict=True):
+        np.testing.assert_array_equal(one, other)

@@ -15,6 +15,7 @@ from lqd_envs import (
     plan_motions,
     rollout,
 )
+from lqd_envs.motion import plan_in_scene
 from lqd_envs.rollout import simulate
 from lqd_envs.scenes.panda import HOME
 
@@ -287,7 +288,7 @@ def test_simulation_that_diverges_is_discarded(monkeypatch, tmp_path, with_sprin
 
 def test_divergence_of_one_leaves_the_others_alone(monkeypatch, tmp_path, scene, solutions):
     monkeypatch.chdir(tmp_path)
-    plan = plan_motions(scene, solutions[:30])
+    plan = plan_in_scene(scene, solutions[:30])
     rows = np.flatnonzero(plan.verdicts == Verdict.VALID)
     starts = plan.starts.copy()
     starts[rows[0], 0] = 1e30
@@ -324,3 +325,10 @@ def test_unknown_task_names_the_known_ones():
 def test_wrong_solutions_are_refused(faucet, solutions, text):
     with pytest.raises(SolutionError, match=text):
         rollout(faucet, solutions)
+
+
+@pytest.mark.parametrize("simulated", [rollout, plan_motions])
+@pytest.mark.parametrize("threads", [-1, "a", 1.5])
+def test_threads_are_a_whole_number_from_0_on(simulated, threads):
+    with pytest.raises(LQDError, match="expected threads to be a whole number"):
+        simulated("LQD/Faucet-v0", np.zeros((0, 9)), threads=threads)

@@ -552,7 +552,7 @@ def test_actions_that_are_not_finite_are_refused(envs):
         ({"autoreset_mode": ["Never"]}, r"SameStep, Disabled, got \['Never'\]$"),
         ({"render_mode": "human"}, r"to be one of \['rgb_array'\] or None, got 'human'$"),
         ({"reward": "none"}, r"expected a reward of sparse, dense, got 'none'$"),
-        ({"width": 0}, r"expected pictures of at most 1920 x 1440 pixels, got 0 x 480$"),
+        ({"width": 0}, r"expected pictures of 1 x 1 to 1920 x 1440 pixels, got 0 x 480$"),
         ({"width": 640.5}, r"width and height to be whole numbers of pixels, got 640\.5 and 480$"),
     ],
 )

@@ -245,7 +245,7 @@ def test_missing_key(api, fail):
         assert fail(provider) == (
             "Expected a key for the Anthropic API, but found none; set ANTHROPIC_API_KEY to a key "
             "from https://platform.claude.com, or take the recorded replies with `--llm replay`, "
-            "which need none."
+            "which need none but are of the tasks' own instructions only."
         )
     assert api.bodies == []
 

@@ -58,7 +58,9 @@ def test_miss_names_the_key_and_what_differs(replay, faucet, ask_for):
         "faucet-0.json, but the sample is 0 there and 7 here, and line 1 of the messages is "
         "'user: The task is: \"Turn on the hot water\"' there and "
         "'user: The task is: \"Turn on the cold water\"' here; "
-        "ask for what is recorded, or take a recording with `--llm record`."
+        "ask for what is recorded (the instructions of the tasks drawer, faucet, grasp, push, with "
+        "the samples 0, 1, 2, 3, 4), ask a model with `--llm live` or `--llm record`, or write "
+        "functionals of your own for `lqd run --functionals`."
     )
 
 

@@ -56,7 +56,7 @@ def test_the_command_says_what_to_install_where_a_package_is_missing(package):
     assert result.returncode == 2
     assert result.stderr == (
         f"lqd: Expected the packages of the extra `search`, but {package} is not installed; run "
-        "`pip install 'lqd-envs[all]'`.\n"
+        "`pip install '.[all]'` in a clone of lqd-envs.\n"
     )
 
 

@@ -132,7 +132,7 @@ def test_a_package_that_is_missing_is_a_failure(call, holds, monkeypatch):
     status, out, _ = call("doctor")
 
     assert status == 1
-    assert "mujoco is not installed; run `pip install 'lqd-envs[all]'`" in out
+    assert "mujoco is not installed; run `pip install '.[all]'` in a clone of lqd-envs" in out
     assert "  seccomp " in out
 
 
@@ -174,7 +174,7 @@ def test_an_extra_that_is_not_there_is_named(monkeypatch):
     monkeypatch.setattr(machine, "version", no_anthropic)
 
     said = dict(machine.machine_facts())["extra llm"]
-    assert said == "not installed (anthropic); run `pip install 'lqd-envs[all]'`"
+    assert said == "not installed (anthropic); run `pip install '.[all]'` in a clone of lqd-envs"
 
 
 def test_files_whose_functions_all_end_as_expected(call, corpus_file):

@@ -157,7 +157,8 @@ def test_existing_folder_is_refused(call, tmp_path):
             ("--instruction", "Turn on the cold water"),
             "the nearest is faucet-0.json, but line 1 of the messages is 'user: The task is: "
             '"Turn on the hot water"\' there and \'user: The task is: "Turn on the cold water"\' '
-            "here; ask for what is recorded, or take a recording with `--llm record`.",
+            "here; ask for what is recorded (the instructions of the tasks drawer, faucet, grasp, "
+            "push, with the samples 0, 1, 2, 3, 4), ask a model with `--llm live` or ",
         ),
         (("--sample", 77), "the nearest is faucet-0.json, but the sample is 0 there and 77 here"),
         (("--instruction", " "), "Expected an instruction of at least one word, but it is empty"),
@@ -461,5 +462,5 @@ def test_without_the_extra(call, monkeypatch):
     assert (status, out) == (2, "")
     assert err == (
         "lqd: Expected the packages of the extra `llm` to infer functionals, but lqd_llm is not "
-        "installed; run `pip install 'lqd-envs[all]'`.\n"
+        "installed; run `pip install '.[all]'` in a clone of lqd-envs.\n"
     )

@@ -142,7 +142,7 @@ def test_workers_that_cannot_say_their_versions_are_refused(monkeypatch):
 def test_a_missing_package_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with (
-        pytest.raises(ClusterError, match=r"distributed is not .*`pip install 'lqd-envs\[cluster"),
+        pytest.raises(ClusterError, match=r"distributed is not .*`pip install '\.\[cluster\]'"),
         open_cluster("local:1"),
     ):
         pass
