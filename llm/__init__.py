@@ -12,10 +12,13 @@ Say so wherever results that rest on them are shown; `InferredFunctionals.proven
 
 from typing import TYPE_CHECKING, Any
 
+from lqd_llm.answer import Answer
 from lqd_llm.check import Candidate, CheckFailure, CheckFunction, CheckOutcome
 from lqd_llm.errors import (
     FunctionError,
     InferenceError,
+    MissingRecordingError,
+    ModelOptionsError,
     PromptError,
     ProviderError,
     RecordingError,
@@ -35,6 +38,7 @@ from lqd_llm.recorded_code import is_recorded, recorded_sources
 from lqd_llm.recordings import Exchange, Recording, available_samples, load_recording
 from lqd_llm.replay_provider import ReplayProvider
 from lqd_llm.reply import FunctionSource, Reply
+from lqd_llm.request import Request
 from lqd_llm.set_remarks import remarks
 from lqd_llm.usage import Usage
 
@@ -46,6 +50,7 @@ __all__ = [
     "DEFAULT_MODEL",
     "EFFORTS",
     "KINDS",
+    "Answer",
     "Candidate",
     "CheckFailure",
     "CheckFunction",
@@ -61,7 +66,9 @@ __all__ = [
     "InferredFunctionals",
     "KeepingProvider",
     "LiveProvider",
+    "MissingRecordingError",
     "ModelOptions",
+    "ModelOptionsError",
     "PromptError",
     "Provider",
     "ProviderError",
@@ -70,6 +77,7 @@ __all__ = [
     "ReplayProvider",
     "Reply",
     "ReplyError",
+    "Request",
     "Usage",
     "available_samples",
     "infer",

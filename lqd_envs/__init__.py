@@ -14,6 +14,7 @@ from lqd_envs.inputs import ResetError  # noqa: E402
 from lqd_envs.motion import MotionPlan, plan_motions  # noqa: E402
 from lqd_envs.perception import (  # noqa: E402
     Columns,
+    DescriptorFunction,
     FitnessFunction,
     Info,
     Infos,
@@ -46,6 +47,7 @@ __all__ = [
     "PAPER_TASKS",
     "TASKS",
     "Columns",
+    "DescriptorFunction",
     "DuplicateTaskError",
     "FitnessFunction",
     "GroundTruth",

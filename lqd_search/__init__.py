@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from lqd_search.evaluation.judge import Judge
     from lqd_search.evaluation.mesh_judge import MeshJudge
     from lqd_search.evaluation.motion_evaluator import MotionEvaluator, passive_fields
-    from lqd_search.evaluation.values import Refusal, Values, ValuesError
+    from lqd_search.evaluation.values import Refusal, StoppedFunction, Values, ValuesError
     from lqd_search.loop import Evaluate, Generation, Observe, search
     from lqd_search.methods.by_name import METHODS, NamedMethod, Setting
     from lqd_search.methods.exploration_budget import BudgetError, ExplorationBudget
@@ -54,12 +54,21 @@ if TYPE_CHECKING:
     from lqd_search.methods.method import Method, MethodError
     from lqd_search.methods.plus_switches import Switch, emitter_with
     from lqd_search.methods.random_search import RandomSearch
-    from lqd_search.runs.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+    from lqd_search.runs.checkpoint import (
+        CheckpointError,
+        NoCheckpointError,
+        load_checkpoint,
+        save_checkpoint,
+    )
+    from lqd_search.runs.functionals_folder import FunctionalsFolderError
+    from lqd_search.runs.metrics import Metrics
     from lqd_search.runs.outcome_archive import OutcomeArchive, OutcomeFigures
+    from lqd_search.runs.run_config import RunConfig
     from lqd_search.runs.run_folder import RunFolder
     from lqd_search.runs.run_folder_error import RunFolderError
     from lqd_search.runs.stored_archive import StoredArchive, StoredArchiveError, StoredGrid
     from lqd_search.runs.stored_outcomes import OutcomeError
+    from lqd_search.runs.summary import Summary
     from lqd_search.schedulers.multi_bd_scheduler import MultiBDScheduler, SchedulerError
     from lqd_search.solution_space import (
         BoxSpace,
@@ -100,6 +109,7 @@ __all__ = [
     "FunctionalError",
     "FunctionalEvaluator",
     "Functionals",
+    "FunctionalsFolderError",
     "Generation",
     "GeneticAlgorithm",
     "GridSpec",
@@ -113,6 +123,7 @@ __all__ = [
     "MeshJudge",
     "Method",
     "MethodError",
+    "Metrics",
     "MixedEmitter",
     "MotionEvaluator",
     "MultiBDArchive",
@@ -120,6 +131,7 @@ __all__ = [
     "Mutation",
     "NamedMethod",
     "NeighbourScreen",
+    "NoCheckpointError",
     "ObservationError",
     "ObservationLog",
     "Observe",
@@ -131,6 +143,7 @@ __all__ = [
     "RandomSearch",
     "Refusal",
     "RepairingSpace",
+    "RunConfig",
     "RunFolder",
     "RunFolderError",
     "SchedulerError",
@@ -140,10 +153,12 @@ __all__ = [
     "Shares",
     "SolutionSpace",
     "SpaceError",
+    "StoppedFunction",
     "StoredArchive",
     "StoredArchiveError",
     "StoredGrid",
     "SuccessLine",
+    "Summary",
     "Switch",
     "Values",
     "ValuesError",
@@ -198,7 +213,7 @@ _HOMES = {
     "evaluation.judge": ("Judge",),
     "evaluation.mesh_judge": ("MeshJudge",),
     "evaluation.motion_evaluator": ("MotionEvaluator", "passive_fields"),
-    "evaluation.values": ("Refusal", "Values", "ValuesError"),
+    "evaluation.values": ("Refusal", "StoppedFunction", "Values", "ValuesError"),
     "loop": ("Evaluate", "Generation", "Observe", "search"),
     "methods.by_name": ("METHODS", "NamedMethod", "Setting"),
     "methods.exploration_budget": ("BudgetError", "ExplorationBudget"),
@@ -208,12 +223,21 @@ _HOMES = {
     "methods.method": ("Method", "MethodError"),
     "methods.plus_switches": ("Switch", "emitter_with"),
     "methods.random_search": ("RandomSearch",),
-    "runs.checkpoint": ("CheckpointError", "load_checkpoint", "save_checkpoint"),
+    "runs.checkpoint": (
+        "CheckpointError",
+        "NoCheckpointError",
+        "load_checkpoint",
+        "save_checkpoint",
+    ),
+    "runs.functionals_folder": ("FunctionalsFolderError",),
+    "runs.metrics": ("Metrics",),
     "runs.outcome_archive": ("OutcomeArchive", "OutcomeFigures"),
+    "runs.run_config": ("RunConfig",),
     "runs.run_folder": ("RunFolder",),
     "runs.run_folder_error": ("RunFolderError",),
     "runs.stored_archive": ("StoredArchive", "StoredArchiveError", "StoredGrid"),
     "runs.stored_outcomes": ("OutcomeError",),
+    "runs.summary": ("Summary",),
     "schedulers.multi_bd_scheduler": ("MultiBDScheduler", "SchedulerError"),
     "solution_space": (
         "BoxSpace",

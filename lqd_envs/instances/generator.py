@@ -44,8 +44,8 @@ def generate_instances(
 
     Args:
         task: A task or its id.
-        kind: One of `"predicate"`, `"obstacles"`, `"approach"` and `"change"`; what each draws and
-            from which ranges stands with `draw_predicate` and the like.
+        kind: One of `"predicate"`, `"obstacles"`, `"approach"` and `"change"`; docs/instances.md
+            says what each draws, and from which ranges.
         count: How many.
         seed: Seed of the random generator, 0 or more.
 

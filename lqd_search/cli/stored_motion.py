@@ -83,7 +83,7 @@ class StoredMotion:
                 f"infos equal to a batch rollout's, bit for bit: {_yes(shown.same_as_batch)}",
                 "infos equal to those of the run, bit for bit: "
                 f"{_yes(shown.digest == self.digest)}",
-                f"at the end: {', '.join([*joints, f'gripper at {gripper}'])}",
+                f"at the end: {', '.join([*joints, f'gripper at {gripper} m'])}",
             ]
         )
 

@@ -52,7 +52,10 @@ def _figures(summary: Summary) -> Table:
         ("success archive size (expert)", summary["success_archive_size"]),
         ("ground-truth cells", summary["ground_truth_cells"]),
         ("  successes outside that grid", summary["ground_truth_outside"]),
-        ("distinct successes of the whole run", outcomes["both"] + outcomes["expert_only"]),
+        (
+            "distinct successes of the whole run (expert)",
+            outcomes["both"] + outcomes["expert_only"],
+        ),
         ("  ground-truth cells", outcomes["ground_truth_cells"]),
         ("refused values", sum(row["count"] for row in summary["refused"])),
     ]

@@ -262,6 +262,7 @@ def _unchanged_functionals(folder: RunFolder, config: RunConfig) -> tuple[Functi
         raise LQDError(
             f"Expected the functionals in {folder.path} to be those that the run began with, but "
             "they were changed; restore them, or begin another run with "
-            f"`lqd run {config.task} --functionals {quote(str(folder.path / 'functionals'))}`."
+            f"`lqd run {config.task} --functionals {quote(str(folder.path / 'functionals'))}` and "
+            "the method, seed and evaluations that you want."
         )
     return texts

@@ -31,7 +31,7 @@ class Switch(StrEnum):
     CREDIT = "credit"
     """Grids get parents by what their children found of late: `CreditedShares`."""
     SCREEN = "screen"
-    """Children whose neighbours all failed or touched nothing are dropped: `NeighbourScreen`."""
+    """Of three candidates the first with a neighbour that touched: `NeighbourScreen`."""
     CONTACT = "contact"
     """A quarter of the children reach their parent's contact from elsewhere: `ContactVariation`."""
     EVOLUTION = "evolution"

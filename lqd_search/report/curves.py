@@ -11,7 +11,7 @@ FIGURES = {
     "inferred_archive_size": "successes in the archive (inferred)",
     "ground_truth_cells": "ground-truth cells of the archive",
     "coverage": "filled cells, mean over grids",
-    "outcomes": "distinct successes of the whole run",
+    "outcomes": "distinct successes of the whole run (expert)",
     "outcome_cells": "their ground-truth cells",
 }
 """What is drawn: columns of `metrics.csv` and their titles."""

@@ -97,7 +97,7 @@ def _figures(run: ReportedRun) -> dict[str, str]:
         "success archive size (expert)": summary["success_archive_size"],
         "ground-truth cells": summary["ground_truth_cells"],
         "successes outside that grid": summary["ground_truth_outside"],
-        "distinct successes of the whole run": outcomes["both"] + outcomes["expert_only"],
+        "distinct successes of the whole run (expert)": outcomes["both"] + outcomes["expert_only"],
         "their ground-truth cells": outcomes["ground_truth_cells"],
         "refused values": sum(row["count"] for row in summary["refused"]),
         "solutions out of range, over all grids": sum(grid["clipped"] for grid in summary["grids"]),

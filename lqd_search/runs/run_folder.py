@@ -158,7 +158,10 @@ class RunFolder:
         return summary
 
     def outcomes(self) -> Outcomes:
-        """Return every distinct success of the run, a column for each field.
+        """Return every distinct success of the run, a column of k rows for each field.
+
+        They are those of `outcomes.npz`: `solution` (k, 9), `evaluation`, `success`, `expert`,
+        `ground_truth` (k, d), `digest`, `fitness/<name>` (k,) and `measures/<descriptor>` (k, d).
 
         Raises:
             OutcomeError: They are missing or damaged.
@@ -192,7 +195,7 @@ class RunFolder:
 
     @property
     def metrics(self) -> MetricsFile:
-        """The figures over time."""
+        """What writes the figures over time; docs/run-folder.md has the columns of the file."""
         return MetricsFile(self.path / METRICS)
 
     @property
@@ -241,8 +244,9 @@ class RunFolder:
             if begun
             else "pass the folder that `lqd run` printed"
         )
+        what = "a finished run" if begun else "a run"
         return RunFolderError(
-            f"Expected a finished run in {self.path}, but it {reason} (no {name}); {remedy}."
+            f"Expected {what} in {self.path}, but it {reason} (no {name}); {remedy}."
         )
 
     def _of_another_form(self, what: str, name: str, error: FormError) -> RunFolderError:

@@ -336,7 +336,7 @@ def test_missing_key(live, api, tmp_path, monkeypatch):
     assert err == (
         "lqd: Expected a key for the Anthropic API, but found none; set ANTHROPIC_API_KEY to a key "
         "from https://platform.claude.com, or take the recorded replies with `--llm replay`, which "
-        "need none.\n"
+        "need none but are of the tasks' own instructions only.\n"
     )
     assert api.bodies == []
     assert not list(tmp_path.glob("inferred*"))

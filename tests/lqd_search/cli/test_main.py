@@ -20,8 +20,8 @@ from lqd_search.cli.main import lqd
         ),
         (("run", "LQD/Faucet-v0", "--evaluations", "100", "--batch-size", "32"), "at most 5"),
         (("run", "LQD/Faucet-v0", "--evaluations", "none"), "not a valid integer"),
-        (("show", "nowhere"), r"Expected a finished run in nowhere"),
-        (("replay", "nowhere"), r"Expected a finished run in nowhere"),
+        (("show", "nowhere"), r"Expected a run in nowhere, but it is not there"),
+        (("replay", "nowhere"), r"Expected a run in nowhere, but it is not there"),
     ],
 )
 def test_bad_input_is_one_sentence_and_status_2(arguments, message, call, tmp_path, monkeypatch):

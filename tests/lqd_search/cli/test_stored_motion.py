@@ -66,7 +66,7 @@ def test_the_report_says_what_the_run_saw_and_what_the_replay_shows():
         "success: yes by the expert's condition (in the run: no; by the inferred one: yes)",
         "infos equal to a batch rollout's, bit for bit: yes",
         "infos equal to those of the run, bit for bit: no",
-        "at the end: hot_tap 0.5000, gripper at [0.1, 0.2, 0.3]",
+        "at the end: hot_tap 0.5000, gripper at [0.1, 0.2, 0.3] m",
     ]
 
 
