@@ -28,10 +28,23 @@ def test_the_example_finds_throws_that_hit():
     assert found > hits > 300
 
 
+def test_what_a_search_found_can_be_kept(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    namespace = {}
+    few = BLOCKS[0].replace("20_000", "1_000")
+
+    exec(compile(few + BLOCKS[1], str(TUTORIAL), "exec"), namespace)
+
+    archive, elites = namespace["archive"], namespace["elites"]
+    np.testing.assert_array_equal(archive.fields["solution"], elites.fields["solution"])
+    assert set(archive.grids) == {"flight", "throw"}
+    assert namespace["method"].done
+
+
 def test_pyribs_scheduler_runs_on_the_archive():
     namespace = {}
 
-    exec(compile(BLOCKS[1], str(TUTORIAL), "exec"), namespace)
+    exec(compile(BLOCKS[2], str(TUTORIAL), "exec"), namespace)
 
     elites = namespace["archive"].elites()
     assert elites.successes > 0
@@ -41,7 +54,7 @@ def test_pyribs_scheduler_runs_on_the_archive():
 def test_what_pyribs_stores_is_what_was_measured():
     namespace = {}
 
-    exec(compile(BLOCKS[1], str(TUTORIAL), "exec"), namespace)
+    exec(compile(BLOCKS[2], str(TUTORIAL), "exec"), namespace)
 
     throws = namespace["archive"].grid_elites("throw")
     across, up = throws["solution"].T
@@ -54,7 +67,7 @@ def test_what_pyribs_stores_is_what_was_measured():
 def test_own_functionals_judge_motions():
     namespace = {}
 
-    exec(compile(BLOCKS[2], str(TUTORIAL), "exec"), namespace)
+    exec(compile(BLOCKS[3], str(TUTORIAL), "exec"), namespace)
 
     values = namespace["values"]
     assert namespace["judge"].descriptors == {"start.gripper": 3, "end.gripper": 3}
