@@ -1,13 +1,13 @@
 """Runs with switches on disk, and the command's own answers."""
 
 import json
-import subprocess
-import sys
 from dataclasses import asdict
 
 import pytest
 
+from benchmarks.switches.__main__ import main
 from benchmarks.switches.kept_cells import SwitchesError, load
+from benchmarks.tables.command import call
 
 
 @pytest.fixture
@@ -43,21 +43,29 @@ def test_a_damaged_run_is_named(out, text):
         load(out, evaluations=20_480, batch_size=512)
 
 
-def switches(*arguments):
-    command = [sys.executable, "-m", "benchmarks.switches", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+@pytest.fixture
+def switches(monkeypatch, capsys):
+    """Call the command; return its status, and what it printed."""
+
+    def switches(*arguments):
+        monkeypatch.setattr("sys.argv", ["switches", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            call(main)
+        return ended.value.code, *capsys.readouterr()
+
+    return switches
 
 
-def test_an_unknown_switch_is_one_sentence(out):
-    ended = switches("--out", out, "--combined", "line+typo")
-    assert (ended.returncode, ended.stdout) == (2, "")
-    assert ended.stderr == (
+def test_an_unknown_switch_is_one_sentence(out, switches):
+    status, printed, error = switches("--out", out, "--combined", "line+typo")
+    assert (status, printed) == (2, "")
+    assert error == (
         "switches: Expected switches among line, random, credit, screen, contact, evolution, "
         "many_cells, joined by +, but got 'typo'.\n"
     )
 
 
-def test_a_table_without_runs_is_empty(out):
-    ended = switches("--out", out, "--table")
-    assert ended.returncode == 0
-    assert len(ended.stdout.splitlines()) == 2
+def test_a_table_without_runs_is_empty(out, switches):
+    status, printed, _ = switches("--out", out, "--table")
+    assert status == 0
+    assert len(printed.splitlines()) == 2

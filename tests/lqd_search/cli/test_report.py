@@ -60,4 +60,6 @@ def test_another_file_is_not_replaced(run, call, tmp_path):
     status, out, err = call("report", run[0], "--out", path)
 
     assert (status, out, path.read_text()) == (2, "", "mine")
-    assert re.fullmatch(r"lqd: Expected a new file for the report, but [^\n]+\n", err)
+    assert re.fullmatch(
+        r"lqd: Expected a new file for the report, or an earlier report, but [^\n]+\n", err
+    )

@@ -62,7 +62,7 @@ def test_a_run_that_was_stopped_ends_like_one_that_was_not(run, copy, call):
 
 def test_a_run_that_is_interrupted_by_the_user_says_how_to_go_on(tmp_path, call):
     folder = tmp_path / "a run"
-    arguments = ("--method", "random", "--evaluations", "160", "--batch-size", "8")
+    arguments = ("--method", "handcrafted", "--evaluations", "160", "--batch-size", "8")
     process = subprocess.Popen(
         [sys.executable, "-m", "lqd_search", "run", "LQD/Faucet-v0", *arguments, "--out", folder],
         stdout=subprocess.PIPE,
