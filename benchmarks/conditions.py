@@ -5,11 +5,11 @@ that it wrote together with a fitness and a descriptor, which steers `direct`. I
 judges the motions of its own search; here all judge the same random ones.
 """
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.random_trajectories import random_trajectories
 from benchmarks.recorded_recipe import recorded_functionals
@@ -45,23 +45,25 @@ def judge(
 
     Args:
         task: The task.
-        motions: Batches of motions of it.
+        motions: Batches of motions of it, at least one.
         conditions: The conditions, which ship with the package: a sandbox will do that lacks layers
             which this system does not have.
 
     Returns:
         The counts of each, by its name.
     """
-    counts = {condition.name: Counter[tuple[bool, bool]]() for condition in conditions}
+    approved: dict[str, list[NDArray[np.bool_]]] = {one.name: [] for one in conditions}
+    expert = []
     layout = perception_layout(task.schema)
     with Sandbox(layout, functions=conditions, allow_weak=True) as sandbox:
         for batch in motions:
             rows = np.flatnonzero(batch.valid)
-            expert = batch.success()[rows].tolist()
+            expert.append(batch.success()[rows])
             results = sandbox.run(batch.columns.rows(rows).arrays(), lengths={})
-            for name, count in counts.items():
-                count.update(zip(results.success[name].tolist(), expert, strict=True))
-    return {name: _verdicts(count) for name, count in counts.items()}
+            for name, parts in approved.items():
+                parts.append(results.success[name])
+    together = np.concatenate(expert)
+    return {name: Verdicts.of(np.concatenate(parts), together) for name, parts in approved.items()}
 
 
 def describe(task: Task, found: Mapping[str, Verdicts]) -> list[tuple[str, ...]]:
@@ -73,15 +75,6 @@ def describe(task: Task, found: Mapping[str, Verdicts]) -> list[tuple[str, ...]]
         figures = (f"{score(one):.2f}" for one in pair for score in (recall, precision))
         rows.append((task.name, str(k), str(successes), *figures))
     return rows
-
-
-def _verdicts(count: Counter[tuple[bool, bool]]) -> Verdicts:
-    return Verdicts(
-        both=count[True, True],
-        inferred_only=count[True, False],
-        expert_only=count[False, True],
-        neither=count[False, False],
-    )
 
 
 @click.command()

@@ -4,6 +4,9 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from benchmarks.tables.cell import Cell
 from lqd_envs import LQDError
 from lqd_search.methods.steering import EXPERT
@@ -29,6 +32,16 @@ class Verdicts:
     inferred_only: int
     expert_only: int
     neither: int
+
+    @classmethod
+    def of(cls, inferred: NDArray[np.bool_], expert: NDArray[np.bool_]) -> "Verdicts":
+        """Count (n,) verdicts of the two conditions on the same motions or elites."""
+        return cls(
+            both=int((inferred & expert).sum()),
+            inferred_only=int((inferred & ~expert).sum()),
+            expert_only=int((~inferred & expert).sum()),
+            neither=int((~inferred & ~expert).sum()),
+        )
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,11 @@
 from math import prod
 from pathlib import Path
 
-import numpy as np
-
 from benchmarks.tables.cell import Cell
 from benchmarks.tables.cell_figures import CellError, CellFigures, Curve, Verdicts
 from lqd_search.runs.metrics_rows import read_metrics
 from lqd_search.runs.run_folder import RunFolder
 from lqd_search.runs.run_folder_error import RunFolderError
-from lqd_search.runs.stored_archive import StoredArchive
 from lqd_search.runs.summary import Summary
 
 
@@ -35,7 +32,7 @@ def read_run(folder: Path, *, cell: Cell, steering: str, machine: str, commit: s
             f"Expected the run of the cell {cell.name} in {folder}, but it is of "
             f"{', '.join(map(str, found))}; move it away, and the cell is run again."
         )
-    outcomes = summary["outcomes"]
+    outcomes, elites = summary["outcomes"], run.archive().fields
     return CellFigures(
         task=cell.task,
         method=cell.method,
@@ -53,7 +50,7 @@ def read_run(folder: Path, *, cell: Cell, steering: str, machine: str, commit: s
         inferred_successes=summary["inferred_successes"],
         expert_successes=summary["expert_successes"],
         motions=Verdicts(**summary["confusion"]),
-        elites=_verdicts(run.archive()),
+        elites=Verdicts.of(elites["success"], elites["expert"]),
         archive_size=summary["archive_size"],
         success_archive_size=summary["success_archive_size"],
         ground_truth_cells=summary["ground_truth_cells"],
@@ -99,17 +96,3 @@ def _capacity(summary: Summary) -> int:
         return sum(prod(grid["dims"]) for grid in summary["grids"])
     # Without grids there is the population of `ga`, and all that `random` asked.
     return summary["batch_size"] if summary["method"] == "ga" else summary["evaluations"]
-
-
-def _verdicts(archive: StoredArchive) -> Verdicts:
-    inferred, expert = archive.fields["success"], archive.fields["expert"]
-
-    def count(which: np.ndarray) -> int:
-        return int(which.sum())
-
-    return Verdicts(
-        both=count(inferred & expert),
-        inferred_only=count(inferred & ~expert),
-        expert_only=count(~inferred & expert),
-        neither=count(~inferred & ~expert),
-    )

@@ -11,7 +11,6 @@ from shutil import copytree
 from typing import Any
 
 from lqd_envs.atomic_file import write_atomically
-from lqd_search.evaluation.motion_evaluator import DIGEST, EXPERT, GROUND_TRUTH
 from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.functionals_folder import (
     FunctionalsFolderError,
@@ -27,7 +26,7 @@ from lqd_search.runs.run_config import RUN_FORMAT, RunConfig
 from lqd_search.runs.run_folder_error import RunFolderError, cannot_write
 from lqd_search.runs.run_lock import locked
 from lqd_search.runs.run_state import RunState
-from lqd_search.runs.stored_archive import StoredArchive, StoredArchiveError
+from lqd_search.runs.stored_archive import PASSIVE, StoredArchive, StoredArchiveError
 from lqd_search.runs.stored_outcomes import Outcomes, load_outcomes
 from lqd_search.runs.summary import Summary
 
@@ -179,7 +178,7 @@ class RunFolder:
         """
         self._require(ARCHIVE)
         archive = StoredArchive.load(self.path / ARCHIVE)
-        missing = [name for name in (EXPERT, GROUND_TRUTH, DIGEST) if name not in archive.fields]
+        missing = [name for name in PASSIVE if name not in archive.fields]
         if missing:
             raise StoredArchiveError(
                 f"Expected the columns {', '.join(missing)} of the elites in "
@@ -195,7 +194,7 @@ class RunFolder:
 
     @property
     def metrics(self) -> MetricsFile:
-        """What writes the figures over time; docs/run-folder.md has the columns of the file."""
+        """What writes the figures over time; `metrics_rows.read_metrics` reads them."""
         return MetricsFile(self.path / METRICS)
 
     @property

@@ -22,11 +22,12 @@ _ELITES: Mapping[str, tuple[type[np.generic], int]] = {
     "success": (np.bool_, 1),
     "evaluation": (np.int64, 1),
 }
-_PASSIVE: Mapping[str, tuple[type[np.generic], int]] = {
+PASSIVE: Mapping[str, tuple[type[np.generic], int]] = {
     EXPERT: (np.bool_, 1),
     GROUND_TRUTH: (np.float64, 2),
     DIGEST: (np.uint64, 1),
 }
+"""The columns of the elites beside those that every method has, in a run of `lqd run`."""
 _SPEC: Mapping[str, type[np.generic]] = {"dims": np.int64, "ranges": np.float64}
 
 
@@ -127,7 +128,7 @@ class StoredArchive:
 
 
 def _elite_fields(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    passive = {name: form for name, form in _PASSIVE.items() if f"elites/{name}" in columns}
+    passive = {name: form for name, form in PASSIVE.items() if f"elites/{name}" in columns}
     for name, (dtype, ndim) in {**_ELITES, **passive}.items():
         column_of(columns, f"elites/{name}", dtype=dtype, ndim=ndim)
     fields = {
