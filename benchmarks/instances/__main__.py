@@ -89,9 +89,10 @@ def main(
     check_labels(labels)
     store.check_archives(labels)
     instances = _instances(labels, kinds=kinds or list(KINDS), count=count, seed=seed)
-    _judge_missing(store, folders, instances, threads=jobs or usable_cpus())
-    results = Results.load(store, labels, instances, seed=seed)
-    for path in write_report(out, results)[:2]:
+    with store.alone():
+        _judge_missing(store, folders, instances, threads=jobs or usable_cpus())
+        paths = write_report(out, Results.load(store, labels, instances, seed=seed))
+    for path in paths[:2]:
         click.echo(str(path))
 
 
@@ -133,7 +134,7 @@ def _judge_missing(
         speed_estimate_period=_RATE_OVER,
     )
     try:
-        with store.alone(), progress:
+        with progress:
             bar = progress.add_task("", total=sum(len(asked) for _, asked in missing))
             for folder, asked in missing:
                 # One at a time, since archives are large.

@@ -15,6 +15,10 @@ INSTANCE_SEED = 1000
 (docs/instances.md), and docs, tests and `lqd adapt` show them; at those of this seed nobody has
 looked before the archives were judged by them."""
 
+RULES = 1
+"""Number of the rules that motions are judged by. It is raised where what an instance asks, or its
+scene, changes (`lqd_envs.instances`): what was judged by others is judged again."""
+
 TRIES = (1, 5, 20)
 """The k of success@k."""
 SIZES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 50_000)

@@ -2,6 +2,7 @@
 
 from benchmarks.instances.candidates import most_looked_at
 from benchmarks.instances.declared import SUBSETS
+from benchmarks.instances.fixed_motion import SPLITS
 from benchmarks.instances.results import Results
 from benchmarks.instances.steered import describe_steering
 from benchmarks.instances.two_way import CONFIDENCE, RESAMPLES
@@ -25,11 +26,12 @@ def describe(results: Results) -> str:
         "expectation of a random choice.",
         "The control is one fixed motion of each archive, the same for all instances: that of the "
         "highest fitness, which is the first choice of `best`; the one that solves the most "
-        "instances of the kind, chosen in hindsight, so that no fixed motion does better; and, for "
-        "each instance, the one that solves the most of the others. Of equally good ones it is the "
-        "one that was evaluated first, and all that were looked at in every instance can be chosen."
-        " What is chosen in hindsight is an upper bound: how far some motion of those looked at is "
-        "above it is the least that having them all is worth. What is chosen on the others is what "
+        "instances of the kind, chosen in hindsight, so that no fixed motion does better; and the "
+        "one that solves the most of one half of the instances, judged on the other half, "
+        f"{SPLITS} times at random and both ways round. Of equally good ones it is the one "
+        "that was evaluated first, and all that were looked at in every instance can be chosen. "
+        "What is chosen in hindsight is an upper bound: how far some motion of those looked at is "
+        "above it is the least that having them all is worth. What is chosen on one half is what "
         "to expect in an instance of the kind that was not known when the motion was chosen.",
         f"In instances with obstacles and changes, at most {results.cap:,} motions of an archive "
         "are drawn at random, once for each run, and looked at together with what selectors choose,"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from benchmarks.instances.chance import chance
 from benchmarks.instances.declared import SIZES, SUBSETS, TRIES
-from benchmarks.instances.fixed_motion import HINDSIGHT, LEAVE_ONE_OUT, solved_by_one
+from benchmarks.instances.fixed_motion import HINDSIGHT, OTHER_HALF, solved_by_one
 from benchmarks.instances.judged_run import InstancesError
 from benchmarks.instances.judgement import FilterFigures
 from lqd_search.adaptation import SELECTORS
@@ -68,7 +68,7 @@ class Success:
 
 @dataclass(frozen=True)
 class FixedMotion:
-    """Whether one fixed motion of an archive, the same for all instances, solves an instance.
+    """How often one fixed motion of an archive, chosen for many instances, solves an instance.
 
     It is chosen among the motions that were looked at in every instance.
 
@@ -84,8 +84,7 @@ class FixedMotion:
         Args:
             row: The figures of one archive, instance by instance.
         """
-        solved = solved_by_one([one.looked_at for one in row], self.choice)
-        return [float(value) for value in solved]
+        return solved_by_one([one.looked_at for one in row], self.choice).tolist()
 
 
 Figure = SomeMotion | Success | FixedMotion
@@ -94,17 +93,26 @@ HIGHEST_FITNESS = Success("best", 1)
 """A control: the archive's motion of the highest fitness."""
 BEST_IN_HINDSIGHT = FixedMotion(HINDSIGHT)
 """A control: no fixed motion of the archive that was looked at solves more instances."""
-BEST_ON_THE_OTHERS = FixedMotion(LEAVE_ONE_OUT)
-"""A control: the fixed motion that solves the most of the other instances."""
+BEST_ON_THE_OTHER_HALF = FixedMotion(OTHER_HALF)
+"""A control: the fixed motion that solves the most of the half that the instance is not in."""
+
+
+def values_of(figure: Figure, row: Sequence[FilterFigures]) -> list[float]:
+    """Return a figure of one archive, instance by instance."""
+    if isinstance(figure, FixedMotion):
+        return figure.of(row)
+    return [figure.of(one) for one in row]
 
 
 def fixed_motions(*, instances: int) -> list[FixedMotion]:
     """Return the figures of one fixed motion.
 
     Args:
-        instances: How many there are; of a single one, there are no others to choose it by.
+        instances: How many there are; a single one has no halves.
     """
-    return [BEST_IN_HINDSIGHT, BEST_ON_THE_OTHERS] if instances > 1 else [BEST_IN_HINDSIGHT]
+    if instances == 1:
+        return [BEST_IN_HINDSIGHT]
+    return [BEST_IN_HINDSIGHT, BEST_ON_THE_OTHER_HALF]
 
 
 def whole_archive() -> list[SomeMotion | Success]:

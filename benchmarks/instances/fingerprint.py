@@ -6,7 +6,7 @@ from hashlib import blake2b
 import numpy as np
 
 from benchmarks.instances.candidates import Candidates, candidates_of
-from benchmarks.instances.declared import FILTERS, SIZES, SUBSETS, TRIES
+from benchmarks.instances.declared import FILTERS, RULES, SIZES, SUBSETS, TRIES
 from lqd_envs import SolutionSpace
 from lqd_search.adaptation import SELECTORS
 from lqd_search.archives.grid_spec import GridSpec
@@ -18,9 +18,9 @@ _ELITES = 64
 def fingerprint(cap: int) -> str:
     """Return a fingerprint of what is declared and of how motions are drawn and chosen.
 
-    It has the sizes, the number of subsets, the tries, the filters, the selectors and the cap in
-    it, and what is drawn and chosen from a small made-up archive: where a selector chooses
-    otherwise than it did, the fingerprint is another one.
+    It has the number of the rules, the sizes, the number of subsets, the tries, the filters, the
+    selectors and the cap in it, and what is drawn and chosen from a small made-up archive: where a
+    selector chooses otherwise than it did, the fingerprint is another one.
 
     Args:
         cap: Most motions of an archive that are drawn for simulation.
@@ -28,6 +28,7 @@ def fingerprint(cap: int) -> str:
     found = candidates_of(_archive(), cap=cap, seed=0)
     declared = {
         "cap": cap,
+        "rules": RULES,
         "sizes": SIZES,
         "subsets": SUBSETS,
         "tries": TRIES,

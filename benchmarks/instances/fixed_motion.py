@@ -8,12 +8,16 @@ from numpy.typing import NDArray
 
 from benchmarks.instances.looked_at import LookedAt
 
-Choice = Callable[[NDArray[np.bool_]], NDArray[np.bool_]]
-"""Returns (i,) in which instances the motion that is chosen solves, of (i, n) in which instances
-each motion does; there is at least one instance and one motion."""
+SPLITS = 200
+"""How often the instances are halved."""
+_SPLIT_SEED = 20_261_123
+
+Choice = Callable[[NDArray[np.bool_]], NDArray[np.float64]]
+"""Returns (i,) how often the motion that is chosen solves each instance, from 0 to 1, of (i, n) in
+which instances each motion does; there is at least one instance and one motion."""
 
 
-def in_hindsight(solves: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def in_hindsight(solves: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Choose the motion that solves the most instances: no fixed one solves more of them.
 
     Of equally good ones the first is chosen.
@@ -21,26 +25,34 @@ def in_hindsight(solves: NDArray[np.bool_]) -> NDArray[np.bool_]:
     Args:
         solves: (i, n) whether each motion solves each instance.
     """
-    return np.asarray(solves[:, np.argmax(solves.sum(axis=0))])
+    return solves[:, np.argmax(solves.sum(axis=0))].astype(float)
 
 
-def on_the_others(solves: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Choose, for each instance, the motion that solves the most of all the others.
+def on_the_other_half(solves: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Choose the motion that solves the most of one half of the instances, for the other half.
 
-    It is what a fixed motion is worth where the instance was not known when it was chosen. Of
-    equally good ones the first is chosen.
+    It is what a fixed motion is worth where the instance was not known when it was chosen. The
+    instances are halved at random `SPLITS` times, and each half chooses for the other one; where
+    their number is odd, one half has one more. Of equally good ones the first is chosen.
+
+    To choose by all instances but one instead would turn the choice against that one: among
+    motions that solve nearly as many, it favors those that do not solve it.
 
     Args:
-        solves: (i, n) whether each motion solves each instance.
+        solves: (i, n) whether each motion solves each instance, at least two of them.
     """
-    others = solves.sum(axis=0) - solves
-    return np.asarray(solves[np.arange(len(solves)), np.argmax(others, axis=1)])
+    half = _halves(len(solves))
+    solved = np.zeros(len(solves))
+    for choosing in (half, ~half):
+        chosen = np.argmax(choosing.astype(float) @ solves, axis=1)
+        solved += np.where(choosing, False, solves[:, chosen].T).sum(axis=0)
+    return solved / SPLITS
 
 
-HINDSIGHT, LEAVE_ONE_OUT = "hindsight", "leave-one-out"
+HINDSIGHT, OTHER_HALF = "hindsight", "other half"
 
 CHOICES: Mapping[str, Choice] = MappingProxyType(
-    {HINDSIGHT: in_hindsight, LEAVE_ONE_OUT: on_the_others}
+    {HINDSIGHT: in_hindsight, OTHER_HALF: on_the_other_half}
 )
 """How the fixed motion is chosen."""
 
@@ -58,8 +70,8 @@ def solves_of(row: Sequence[LookedAt]) -> NDArray[np.bool_]:
     return np.stack([solve[everywhere] for _, solve in masks])
 
 
-def solved_by_one(row: Sequence[LookedAt], choice: str) -> NDArray[np.bool_]:
-    """Return (i,) in which instances the fixed motion of an archive solves.
+def solved_by_one(row: Sequence[LookedAt], choice: str) -> NDArray[np.float64]:
+    """Return (i,) how often the fixed motion of an archive solves each instance, from 0 to 1.
 
     Where no motion was looked at in all instances, none does.
 
@@ -68,4 +80,11 @@ def solved_by_one(row: Sequence[LookedAt], choice: str) -> NDArray[np.bool_]:
         choice: How the motion is chosen, one of `CHOICES`.
     """
     solves = solves_of(row)
-    return CHOICES[choice](solves) if solves.shape[1] else np.zeros(len(row), dtype=bool)
+    return CHOICES[choice](solves) if solves.shape[1] else np.zeros(len(row))
+
+
+def _halves(instances: int) -> NDArray[np.bool_]:
+    """Return (`SPLITS`, i) which instances are in the first half, the same for all archives."""
+    rng = np.random.default_rng(_SPLIT_SEED)
+    first = np.arange(instances) < instances // 2
+    return rng.permuted(np.tile(first, (SPLITS, 1)), axis=1)

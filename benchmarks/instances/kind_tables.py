@@ -8,7 +8,7 @@ from benchmarks.instances.candidates import most_looked_at
 from benchmarks.instances.declared import EXPERT, FILTERS, INFERRED, SIZES, TRIES
 from benchmarks.instances.figures import (
     BEST_IN_HINDSIGHT,
-    BEST_ON_THE_OTHERS,
+    BEST_ON_THE_OTHER_HALF,
     HIGHEST_FITNESS,
     RANDOM,
     Figure,
@@ -27,7 +27,7 @@ _WHOLE = "whole"
 _CONTROLS: Mapping[str, Figure] = {
     "the highest fitness": HIGHEST_FITNESS,
     "the best in hindsight": BEST_IN_HINDSIGHT,
-    "the best on the other instances": BEST_ON_THE_OTHERS,
+    "the best on the other half": BEST_ON_THE_OTHER_HALF,
 }
 
 

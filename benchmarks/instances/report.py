@@ -12,6 +12,7 @@ from benchmarks.instances.kind_tables import kind_section
 from benchmarks.instances.overview import overview
 from benchmarks.instances.results import Results
 from benchmarks.instances.size_picture import draw_sizes
+from benchmarks.instances.store import cannot_write
 from benchmarks.tables.figure_files import figure_files
 from lqd_envs import get_task
 from lqd_envs.atomic_file import write_atomically
@@ -32,6 +33,9 @@ def write_report(out: Path, results: Results) -> list[Path]:
 
     Returns:
         The files.
+
+    Raises:
+        InstancesError: One of them cannot be written.
     """
     pictures: dict[str, bytes] = {}
     for task in results.tasks:
@@ -47,9 +51,12 @@ def write_report(out: Path, results: Results) -> list[Path]:
         out / "instances.csv": long_form(results).encode(),
         **{out / "pictures" / name: content for name, content in pictures.items()},
     }
-    (out / "pictures").mkdir(parents=True, exist_ok=True)
     for path, content in files.items():
-        write_atomically(path, content)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, content)
+        except OSError as error:
+            raise cannot_write(path, error) from error
     return list(files)
 
 

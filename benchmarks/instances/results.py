@@ -5,12 +5,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from benchmarks.instances.figures import Figure, by_size, fixed_motions, whole_archive
+from benchmarks.instances.figures import (
+    Figure,
+    by_size,
+    fixed_motions,
+    values_of,
+    whole_archive,
+)
 from benchmarks.instances.judged_run import InstancesError, RunLabel
 from benchmarks.instances.judgement import FilterFigures, Judgement
 from benchmarks.instances.store import JudgementStore
-from benchmarks.instances.two_way import Rate, two_way
+from benchmarks.instances.two_way import Rate, mean_over_groups, two_way
 from lqd_envs.instances import Instance
 
 SEED = 20_260_103
@@ -116,6 +123,20 @@ class Results:
         """
         return self._rates[task, kind, method, by]
 
+    def mean_rate(self, method: str, by: str, figure: Figure) -> Rate | None:
+        """Return a method's mean over tasks and kinds; None where one of them does not have it."""
+        groups = []
+        for task in self.tasks:
+            kinds = [kind for its_task, kind in self.instances if its_task == task]
+            if method not in self.methods(task) or not all(
+                figure in self.rates(task, kind, method, by) for kind in kinds
+            ):
+                return None
+            groups.append(
+                [_values(self.figures(task, kind, method, by), [figure])[0] for kind in kinds]
+            )
+        return mean_over_groups(groups, rng=np.random.default_rng(SEED))
+
     @property
     def different(self) -> int:
         """How many motions were not, bit for bit, what their run saw."""
@@ -141,25 +162,27 @@ class Results:
         if not figures[0]:
             return {}
         judged = max(one.judged for row in figures for one in row)
-        wanted = [*whole_archive(), *by_size(judged=judged, cap=self.cap)]
-        fixed = fixed_motions(instances=len(figures[0]))
-        values = np.array(
-            [
-                [
-                    *([figure.of(one) for one in row] for figure in wanted),
-                    *(f.of(row) for f in fixed),
-                ]
-                for row in figures
-            ]
-        )
+        wanted = [
+            *whole_archive(),
+            *by_size(judged=judged, cap=self.cap),
+            *fixed_motions(instances=len(figures[0])),
+        ]
+        values = np.moveaxis(_values(figures, wanted), 0, -1)
         # The same draws for all, so that no rate depends on which others there are.
-        rates = two_way(values.swapaxes(1, 2), rng=np.random.default_rng(SEED))
-        return dict(zip([*wanted, *fixed], rates, strict=True))
+        rates = two_way(values, rng=np.random.default_rng(SEED))
+        return dict(zip(wanted, rates, strict=True))
 
 
 def instances_of(instances: Instances, task: str) -> list[Instance]:
     """Return the instances of a task, of all kinds."""
     return [one for (its_task, _), drawn in instances.items() if its_task == task for one in drawn]
+
+
+def _values(
+    figures: Sequence[Sequence[FilterFigures]], wanted: Sequence[Figure]
+) -> NDArray[np.float64]:
+    """Return (figures, runs, instances)."""
+    return np.array([[values_of(figure, row) for row in figures] for figure in wanted])
 
 
 def _judged(

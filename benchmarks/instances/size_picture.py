@@ -17,7 +17,8 @@ from lqd_search.pictures.figure import new_figure
 
 _TRIES = 5
 _MARKERS = "osD^vP"
-_STYLES = ("-", "--")
+_STYLE_OF: Mapping[str, str] = {"": "-", **dict(zip(SELECTORS, ("-", "--"), strict=True))}
+"""Of each selector, and of none."""
 
 _OfSize = Callable[[int | None], Figure]
 
@@ -69,13 +70,15 @@ def _draw_lines(
         if not rates:
             continue
         runs = results.figures(task, kind, method, INFERRED)
-        for style, (choice, of_size) in zip(_STYLES, choices.items(), strict=False):
+        for choice, of_size in choices.items():
             # A selector chooses from all motions; of them, some were looked at.
             sizes = [run[0].motions if choice else run[0].looked_at.motions for run in runs]
             whole = max(1.0, float(np.median(sizes)))
             points = _points(rates, of_size, whole=whole)
             label = f"{shown(method)}, {choice}" if choice else shown(method)
-            _draw(axes, points, label, color=f"C{i}", marker=_MARKERS[i % 6], style=style)
+            _draw(
+                axes, points, label, color=f"C{i}", marker=_MARKERS[i % 6], style=_STYLE_OF[choice]
+            )
 
 
 def _points(

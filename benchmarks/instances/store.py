@@ -35,9 +35,10 @@ class JudgementStore:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Keep other processes from judging in the same folder, for the length of a `with` block.
+        """Keep other processes from writing in the same folder, for the length of a `with` block.
 
         A file is read before it is written: of two that add to it one would lose what it judged.
+        Nor can two write the same report at the same time.
 
         Raises:
             InstancesError: Another process judges there, or the folder cannot be made.
@@ -46,7 +47,7 @@ class JudgementStore:
             try:
                 alone = stack.enter_context(folder_locked(self._judged))
             except OSError as error:
-                raise _cannot_write(self._judged, error) from error
+                raise cannot_write(self._judged, error) from error
             if not alone:
                 raise InstancesError(
                     f"Expected to be the only one that judges in {self.out}, but another process "
@@ -89,7 +90,7 @@ class JudgementStore:
                 # Without the time, so that equal judgements are equal files.
                 write_atomically(path, gzip.compress(text.encode(), mtime=0))
             except OSError as error:
-                raise _cannot_write(path, error) from error
+                raise cannot_write(path, error) from error
 
         return keep
 
@@ -155,7 +156,8 @@ class JudgementStore:
         return {judgement.instance: judgement for judgement in judgements}
 
 
-def _cannot_write(path: Path, error: OSError) -> InstancesError:
+def cannot_write(path: Path, error: OSError) -> InstancesError:
+    """Return the error of a file of the folder that cannot be written."""
     return InstancesError(
         f"Expected to write {path}, but that failed ({error.strerror or error}); make space or "
         "choose another folder with --out."

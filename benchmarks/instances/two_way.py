@@ -1,10 +1,13 @@
 """A mean over runs and instances, and how far it can be trusted."""
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from benchmarks.instances.percent import percent
 
 CONFIDENCE = 0.95
 RESAMPLES = 2000
@@ -28,8 +31,8 @@ class Rate:
     def text(self) -> str:
         """As it stands in a table, in percent."""
         if math.isnan(self.low):
-            return f"{self.value:.0%}"
-        return f"{self.value:.0%} [{100 * self.low:.0f}, {100 * self.high:.0f}]"
+            return percent(self.value)
+        return f"{percent(self.value)} [{100 * self.low:.0f}, {100 * self.high:.0f}]"
 
 
 def two_way(values: NDArray[np.float64], *, rng: np.random.Generator) -> list[Rate]:
@@ -47,10 +50,49 @@ def two_way(values: NDArray[np.float64], *, rng: np.random.Generator) -> list[Ra
     means = values.mean(axis=(0, 1))
     if runs == instances == 1:
         return [Rate(float(mean), math.nan, math.nan) for mean in means]
-    of_runs = rng.multinomial(runs, np.full(runs, 1.0 / runs), RESAMPLES)
-    of_instances = rng.multinomial(instances, np.full(instances, 1.0 / instances), RESAMPLES)
+    resampled = _resampled(values, of_runs=_times_drawn(runs, rng), rng=rng)
+    return [_rate(mean, draws) for mean, draws in zip(means, resampled.T, strict=True)]
+
+
+def mean_over_groups(
+    tasks: Iterable[Sequence[NDArray[np.float64]]], *, rng: np.random.Generator
+) -> Rate:
+    """Return the mean over tasks and kinds of instances with a percentile bootstrap interval.
+
+    Each task and kind counts as much as another. Each has instances of its own, drawn anew by
+    themselves; the runs of a task are the same for all its kinds, and so are those that are drawn
+    anew.
+
+    Args:
+        tasks: For each task, for each kind (runs, instances), at least one of each.
+        rng: Draws the resamples.
+    """
+    means: list[float] = []
+    resampled: list[NDArray[np.float64]] = []
+    for kinds in tasks:
+        of_runs = _times_drawn(len(kinds[0]), rng)
+        for values in kinds:
+            means.append(float(values.mean()))
+            resampled.append(_resampled(values[:, :, None], of_runs=of_runs, rng=rng)[:, 0])
+    return _rate(float(np.mean(means)), np.mean(resampled, axis=0))
+
+
+def _times_drawn(n: int, rng: np.random.Generator) -> NDArray[np.int64]:
+    return rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLES)
+
+
+def _resampled(
+    values: NDArray[np.float64], *, of_runs: NDArray[np.int64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Return (resamples, figures) the means, with instances that are drawn here."""
+    runs, instances, _ = values.shape
+    of_instances = _times_drawn(instances, rng)
     # Divided at the end, so that the mean of ones is one.
     sums = np.einsum("br,rif,bi->bf", of_runs, values, of_instances, optimize=True)
+    return np.asarray(sums / (runs * instances))
+
+
+def _rate(mean: float, resampled: NDArray[np.float64]) -> Rate:
     tail = 50.0 * (1.0 - CONFIDENCE)
-    low, high = np.percentile(sums / (runs * instances), [tail, 100.0 - tail], axis=0)
-    return [Rate(float(m), float(a), float(b)) for m, a, b in zip(means, low, high, strict=True)]
+    low, high = np.percentile(resampled, [tail, 100.0 - tail])
+    return Rate(float(mean), float(low), float(high))

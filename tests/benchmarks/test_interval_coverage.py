@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.interval_coverage import effect_coverage, rate_coverage
+from benchmarks.interval_coverage import effect_coverage, fixed_motion_coverage, rate_coverage
 
 
 @pytest.mark.parametrize("spread", [(1.0, 0.0), (0.0, 1.0)])
@@ -17,6 +17,12 @@ def test_a_single_run_s_interval_does_not_speak_for_other_runs():
     rng = np.random.default_rng(0)
 
     assert rate_coverage(runs=1, spread=(1.0, 0.0), repetitions=100, rng=rng) < 0.4
+
+
+def test_the_interval_of_a_fixed_motion_chosen_on_halves_holds_the_truth_mostly():
+    share = fixed_motion_coverage(runs=5, repetitions=60, rng=np.random.default_rng(0))
+
+    assert 0.6 < share < 0.98
 
 
 def test_the_interval_of_a_large_effect_with_few_seeds_is_too_narrow():

@@ -7,13 +7,14 @@ import pytest
 
 from benchmarks.instances.figures import (
     BEST_IN_HINDSIGHT,
-    BEST_ON_THE_OTHERS,
+    BEST_ON_THE_OTHER_HALF,
     HIGHEST_FITNESS,
     FixedMotion,
     SomeMotion,
     Success,
     by_size,
     fixed_motions,
+    values_of,
     whole_archive,
 )
 from benchmarks.instances.judged_run import InstancesError
@@ -63,9 +64,9 @@ def test_a_size_that_was_not_counted_is_not_answered_by_the_whole_archive():
         Success("best", 1, 7).of(FIGURES)
 
 
-def test_of_a_single_instance_there_are_no_others():
+def test_a_single_instance_has_no_halves():
     assert fixed_motions(instances=1) == [BEST_IN_HINDSIGHT]
-    assert fixed_motions(instances=2) == [BEST_IN_HINDSIGHT, BEST_ON_THE_OTHERS]
+    assert fixed_motions(instances=2) == [BEST_IN_HINDSIGHT, BEST_ON_THE_OTHER_HALF]
 
 
 def test_a_fixed_motion_s_figures_by_hand():
@@ -77,7 +78,8 @@ def test_a_fixed_motion_s_figures_by_hand():
     ]
 
     assert FixedMotion("hindsight").of(row) == [1.0, 1.0, 1.0, 0.0]
-    assert FixedMotion("leave-one-out").of(row) == [1.0, 1.0, 1.0, 0.0]
+    assert values_of(BEST_IN_HINDSIGHT, row) == [1.0, 1.0, 1.0, 0.0]
+    assert values_of(SomeMotion(1), row) == pytest.approx([0.2] * 4)
 
 
 def test_figures_by_size_reach_up_to_what_was_judged_and_drawn():

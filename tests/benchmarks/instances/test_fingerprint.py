@@ -20,7 +20,13 @@ def test_it_tells_caps_apart_however_large():
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("SIZES", (1, 2, 5)), ("SUBSETS", 21), ("TRIES", (1, 5, 50)), ("FILTERS", {"inferred": None})],
+    [
+        ("RULES", 0),
+        ("SIZES", (1, 2, 5)),
+        ("SUBSETS", 21),
+        ("TRIES", (1, 5, 50)),
+        ("FILTERS", {"inferred": None}),
+    ],
 )
 def test_it_tells_declarations_apart(monkeypatch, name, value):
     before = fingerprint(500)

@@ -8,6 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.instances.__main__ import main
+from benchmarks.instances.fixed_motion import on_the_other_half
+from benchmarks.instances.judged_run import InstancesError
 from lqd_envs import get_task, rollout
 from lqd_envs.instances import generate_instances
 
@@ -36,13 +38,10 @@ def test_the_controls_are_those_of_the_simulation(make_run, fields, tmp_path):
     )
     # What nothing solves is left out of the report.
     solves = solves[solves.any(axis=1)]
-    others = [np.argmax(np.delete(solves, i, axis=0).sum(axis=0)) for i in range(len(solves))]
     expected = {
         ("success", "best", "1"): solves[:, 0].mean(),
         ("one fixed motion", "hindsight", ""): solves.mean(axis=0).max(),
-        ("one fixed motion", "leave-one-out", ""): np.mean(
-            [solves[i, chosen] for i, chosen in enumerate(others)]
-        ),
+        ("one fixed motion", "other half", ""): on_the_other_half(solves).mean(),
     }
     assert len(solves) > 1
     values = {
@@ -52,7 +51,7 @@ def test_the_controls_are_those_of_the_simulation(make_run, fields, tmp_path):
     }
     assert {key: values[key] for key in expected} == pytest.approx(expected)
     text = (out / "instances.md").read_text()
-    assert "expert: the best in hindsight | expert: the best on the other instances |" in text
+    assert "expert: the best in hindsight | expert: the best on the other half |" in text
 
 
 def test_where_not_all_were_looked_at_the_tables_say_so(make_run, tmp_path):
@@ -76,7 +75,7 @@ def test_where_not_all_were_looked_at_the_tables_say_so(make_run, tmp_path):
 
     glance, predicate, change = re.split("### .*", (out / "instances.md").read_text())
     rows = [line for line in glance.splitlines() if line.startswith("| faucet | ")]
-    assert [row.split(" | ")[1] for row in rows] == ["predicate", "change"] * 5
+    assert [row.split(" | ")[1] for row in rows] == ["predicate", "change"] * 6
     assert "some motion of at most 42 looked at solves it" not in predicate
     assert "some motion of at most 42 looked at solves it" in change
     assert "| of at most 42 looked at |" in change
@@ -92,6 +91,35 @@ def test_where_not_all_were_looked_at_the_tables_say_so(make_run, tmp_path):
     assert among["change", "success", "random", "whole"] == "at most 2 drawn"
     assert among["change", "success", "best", "1"] == "at most 2 drawn"
     assert among["change", "success", "best", "whole"] == "all"
+
+
+def test_motions_that_are_not_what_their_run_saw_are_counted(make_run, fields, tmp_path):
+    out = tmp_path / "out"
+    digest = fields["digest"].copy()
+    digest[[1, 2]] += 1
+
+    kinds = ("--kinds", "approach,predicate")
+    invoke(make_run(digest=digest), "--count", 2, "--seed", 0, "--jobs", 1, *kinds, "--out", out)
+
+    text = (out / "instances.md").read_text()
+    assert "\n\n2 motions, simulated again in the task itself, were not bit for bit what" in text
+
+
+def test_a_report_that_cannot_be_written_is_an_error_and_what_was_judged_is_kept(
+    make_run, tmp_path
+):
+    out = tmp_path / "out"
+    arguments = ("--count", 1, "--seed", 0, "--jobs", 1, "--kinds", "approach", "--out", out)
+    (out / "instances.csv").mkdir(parents=True)
+
+    with pytest.raises(
+        InstancesError, match=r"Expected to write \S+instances.csv, but that failed"
+    ):
+        invoke(make_run(), *arguments)
+
+    (out / "instances.csv").rmdir()
+    invoke(*arguments)
+    assert (out / "instances.csv").is_file()
 
 
 def test_rows_of_what_the_expert_steered_are_marked(make_run, tmp_path):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.instances.two_way import Rate, two_way
+from benchmarks.instances.two_way import Rate, mean_over_groups, two_way
 
 
 def rates(values, seed=0):
@@ -61,6 +61,28 @@ def test_the_same_seed_gives_the_same_bits():
     values = np.random.default_rng(3).random((5, 7, 2))
 
     assert rates(values, seed=8) == rates(values, seed=8)
+
+
+def test_each_task_and_kind_counts_alike_in_the_mean():
+    values = np.zeros((5, 4))
+    groups = [[values + 1.0, values], [values[:2, :3] + 1.0]]
+
+    rate = mean_over_groups(groups, rng=np.random.default_rng(0))
+
+    assert (rate.value, rate.low, rate.high) == pytest.approx((2 / 3, 2 / 3, 2 / 3))
+
+
+def test_runs_are_drawn_together_for_all_kinds_of_a_task_and_apart_for_tasks():
+    by_run = np.broadcast_to(np.random.default_rng(2).random((30, 1)), (30, 6))
+
+    together, apart = (
+        mean_over_groups(groups, rng=np.random.default_rng(0))
+        for groups in ([[by_run, by_run]], [[by_run], [by_run]])
+    )
+
+    assert together.value == apart.value
+    width = (together.high - together.low) / (apart.high - apart.low)
+    assert width == pytest.approx(2**0.5, rel=0.1)
 
 
 def test_a_rate_reads_as_percent():
