@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from lqd_llm.errors import ReplyError
+from lqd_llm.form_problem import FormProblem
 from lqd_llm.model_options import MOST_TOKENS
 from lqd_llm.reply import Reply
 from lqd_llm.request import Request
@@ -91,12 +92,11 @@ def read_reply(answer: Answer, *, request: Request) -> Reply:
     try:
         return Reply.model_validate_json(answer.text)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        if first["type"] == "json_invalid":
-            problem = f"is not JSON ({first['msg'].removeprefix('Invalid JSON: ')})"
+        first = FormProblem.first(error)
+        if first.kind == "json_invalid":
+            problem = f"is not JSON ({first.message.removeprefix('Invalid JSON: ')})"
         else:
-            place = ".".join(map(str, first["loc"])) or "the top level"
-            problem = f"is JSON of another form than was asked for, at {place}: {first['msg']}"
+            problem = f"is JSON of another form than was asked for, at {first}"
         raise ReplyError(
             f"{_the_reply(request)} {problem}; try again or ask another model."
         ) from error

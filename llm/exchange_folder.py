@@ -1,6 +1,7 @@
 """A folder of requests and their answers, one readable file each."""
 
 import json
+import os
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,11 +12,16 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from lqd_envs.atomic_file import write_atomically
+from lqd_envs.folder_lock import folder_in_turn
 from lqd_llm.answer import Answer, is_complete
 from lqd_llm.errors import ModelOptionsError, RecordingError
+from lqd_llm.form_problem import FormProblem
 from lqd_llm.model_options import Effort, ModelOptions
 from lqd_llm.request import Request, Turn
 from lqd_llm.usage import Usage, total_usage
+
+# More than an answer takes; a full disk still lets an empty file be made.
+_ROOM = 1 << 20
 
 _FILE_NAME = re.compile(r"[0-9a-f]{64}(\.[1-9][0-9]*)?\.json")
 
@@ -74,7 +80,7 @@ class ExchangeFolder:
 
     An answer from which no reply can be read, such as a refusal, is kept like any other. When the
     same is asked again and answered, it is moved aside to `<key>.1.json` and so on, so that nothing
-    that came is ever lost.
+    that came is ever lost. Several processes may write in one folder.
 
     Args:
         path: The folder; it is made when the first answer is written.
@@ -91,7 +97,7 @@ class ExchangeFolder:
                 request than its name says.
         """
         path = self._file(request)
-        return _read(path) if path.exists() else None
+        return _read(path) if _is_there(path) else None
 
     def write(self, request: Request, answer: Answer) -> None:
         """Write an answer at once and as a whole; an earlier one is moved aside.
@@ -101,10 +107,13 @@ class ExchangeFolder:
         """
         path = self._file(request)
         try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            if path.exists():
-                path.rename(self._aside(request))
-            write_atomically(path, _content(request, answer))
+            # Another process may have asked the same, and come to write it now. What is held is
+            # the folder above: this one is, for as long as it asks, by who keeps a transcript.
+            with folder_in_turn(self.path.parent):
+                self.path.mkdir(exist_ok=True)
+                if path.exists():
+                    path.rename(self._aside(request))
+                write_atomically(path, _content(request, answer))
         except OSError as error:
             raise RecordingError(
                 f"The answer to the {request.subject} prompt cannot be written to {self.path} "
@@ -117,10 +126,13 @@ class ExchangeFolder:
         Raises:
             RecordingError: They cannot.
         """
-        there = next(path for path in (self.path, *self.path.absolute().parents) if path.exists())
+        above = (self.path, *self.path.absolute().parents)
         try:
-            with TemporaryFile(dir=there):
-                pass
+            there = next(path for path in above if path.exists())
+            with TemporaryFile(dir=there) as file:
+                file.write(bytes(_ROOM))
+                file.flush()
+                os.fsync(file.fileno())
         except OSError as error:
             raise RecordingError(
                 f"Expected a folder that answers can be written to, but {self.path} is none "
@@ -133,9 +145,7 @@ class ExchangeFolder:
         Raises:
             RecordingError: A file cannot be read or is not of the right form.
         """
-        if not self.path.is_dir():
-            return
-        for path in sorted(self.path.iterdir()):
+        for path in _listed(self.path):
             if _FILE_NAME.fullmatch(path.name):
                 yield _read(path)
 
@@ -155,6 +165,20 @@ class ExchangeFolder:
         while (path := self.path / f"{request.key}.{number}.json").exists():
             number += 1
         return path
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
+def _listed(path: Path) -> list[Path]:
+    try:
+        return sorted(path.iterdir()) if path.is_dir() else []
+    except OSError as error:
+        raise _unreadable(path, error) from error
 
 
 def is_usable(exchange: KeptExchange) -> bool:
@@ -193,14 +217,9 @@ def _read(path: Path) -> KeptExchange:
         form = _ExchangeForm.model_validate(json.loads(path.read_bytes()))
         request = _request(form)
     except OSError as error:
-        raise RecordingError(
-            f"The recording {path.name} cannot be read ({error.strerror or error}); restore or "
-            "remove the file."
-        ) from error
+        raise _unreadable(path, error) from error
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        place = ".".join(map(str, first["loc"])) or "the top level"
-        raise _malformed(path, f"at {place}: {first['msg']}") from error
+        raise _malformed(path, f"at {FormProblem.first(error)}") from error
     except (ValueError, RecursionError) as error:
         raise _malformed(path, f"since it is not JSON ({error})") from error
     except ModelOptionsError as error:
@@ -227,6 +246,13 @@ def _request(form: _ExchangeForm) -> Request:
         sample=sent.sample,
         attempt=sent.attempt,
         schema=sent.reply_schema,
+    )
+
+
+def _unreadable(path: Path, error: OSError) -> RecordingError:
+    return RecordingError(
+        f"The recording {path.name} cannot be read ({error.strerror or error}); restore or remove "
+        "the file."
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lqd_llm.answer import Answer
+from lqd_llm.errors import RecordingError
 from lqd_llm.exchange_folder import ExchangeFolder, is_usable
 from lqd_llm.provider import Provider
 from lqd_llm.request import Request
@@ -23,8 +24,8 @@ class KeepingProvider:
     Args:
         provider: What is asked where the folder has no answer.
         folder: The folder; it is made when the first answer comes.
-        copies: Other folders that hold the same: what one of them lacks is written there too, after
-            `folder` has it.
+        copies: Other folders that hold the same: what one of them lacks is written there too.
+            Where one cannot be written, the others are all the same, before that is an error.
     """
 
     def __init__(self, provider: Provider, *, folder: Path, copies: Sequence[Path] = ()) -> None:
@@ -47,7 +48,16 @@ class KeepingProvider:
             for folder in self._folders:
                 folder.require_writable()
             answer = self._provider.ask(request)
-        for folder in self._folders:
-            if folder not in kept:
-                folder.write(request, answer)
+        self._write([folder for folder in self._folders if folder not in kept], request, answer)
         return answer
+
+    def _write(self, folders: Sequence[ExchangeFolder], request: Request, answer: Answer) -> None:
+        failures: list[RecordingError] = []
+        for folder in folders:
+            try:
+                folder.write(request, answer)
+            except RecordingError as error:
+                # The answer has been paid for: another folder may have room for it.
+                failures.append(error)
+        if failures:
+            raise failures[0]

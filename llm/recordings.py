@@ -10,6 +10,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from lqd_llm.errors import RecordingError
+from lqd_llm.form_problem import FormProblem
 from lqd_llm.prompts import KINDS
 from lqd_llm.reply import Reply
 
@@ -79,6 +80,9 @@ def available_samples(task_name: str, *, directory: Path | None = None) -> tuple
     Args:
         task_name: Short name of the task, such as `"faucet"`.
         directory: Folder of recordings; by default those that ship with the package.
+
+    Raises:
+        RecordingError: The folder cannot be read.
     """
     return _samples(_folder(directory)).get(task_name, ())
 
@@ -103,7 +107,7 @@ def load_recording(task_name: str, *, sample: int, directory: Path | None = None
     try:
         form = _RecordingForm.model_validate_json(_content(file))
     except ValidationError as error:
-        raise RecordingError(_malformed(file, _first_problem(error))) from error
+        raise RecordingError(_malformed(file, f"at {FormProblem.first(error)}")) from error
     if (form.task, form.sample) != (task_name, sample):
         holds = f"it holds sample {form.sample} of the task {form.task!r}"
         raise RecordingError(_malformed(file, f"at task and sample: {holds}"))
@@ -129,9 +133,14 @@ def _folder(directory: Path | None) -> Traversable:
 
 def _samples(folder: Traversable) -> dict[str, tuple[int, ...]]:
     """Return the recorded samples of each task, both in order."""
-    if not folder.is_dir():
-        return {}
-    matches = [match for file in folder.iterdir() if (match := _FILE_NAME.fullmatch(file.name))]
+    try:
+        names = [file.name for file in folder.iterdir()] if folder.is_dir() else []
+    except OSError as error:
+        raise RecordingError(
+            f"Expected a folder of recordings at {folder}, but it cannot be read "
+            f"({error.strerror or error}); name another directory."
+        ) from error
+    matches = [match for name in names if (match := _FILE_NAME.fullmatch(name))]
     pairs = sorted((match["task"], int(match["sample"])) for match in matches)
     return {task: tuple(number for name, number in pairs if name == task) for task, _ in pairs}
 
@@ -159,9 +168,3 @@ def _missing(task_name: str, *, sample: int, samples: Mapping[str, tuple[int, ..
 
 def _malformed(file: Traversable, problem: str) -> str:
     return f"The recording {file.name} is not of the right form {problem}; restore the file."
-
-
-def _first_problem(error: ValidationError) -> str:
-    first = error.errors(include_url=False, include_input=False)[0]
-    place = ".".join(map(str, first["loc"])) or "the top level"
-    return f"at {place}: {first['msg']}"

@@ -40,10 +40,15 @@ def write_atomically(path: Path, content: Chunk | Sequence[Chunk]) -> None:
         if not complete:
             with suppress(OSError):
                 part.unlink()
-    _sync_folder(path.parent)
+    sync_folder(path.parent)
 
 
-def _sync_folder(path: Path) -> None:
+def sync_folder(path: Path) -> None:
+    """Bring to the disk what was made, moved and removed in a folder.
+
+    Raises:
+        OSError: That failed.
+    """
     folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(folder)

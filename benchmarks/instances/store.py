@@ -12,7 +12,7 @@ from benchmarks.instances.fingerprint import fingerprint
 from benchmarks.instances.judged_run import InstancesError, RunLabel
 from benchmarks.instances.judgement import Judgement
 from lqd_envs.atomic_file import write_atomically
-from lqd_search.runs.folder_lock import folder_locked
+from lqd_envs.folder_lock import folder_locked
 
 _SUFFIX = ".jsonl.gz"
 

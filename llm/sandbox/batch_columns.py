@@ -31,6 +31,13 @@ def check_columns(columns: Mapping[str, NDArray[Any]], layout: InfoLayout) -> tu
         raise SandboxError(
             f"Expected the columns {', '.join(keys)}, but got {', '.join(columns) or 'none'}."
         )
+    for name, column in columns.items():
+        if not isinstance(column, np.ndarray) or column.ndim < 2:
+            got = f"{type(column).__name__} of shape {np.shape(column)}"
+            raise SandboxError(
+                f"Expected the column {name!r} to be an array of motions and moments, but got "
+                f"{got}."
+            )
     motions, moments = columns[keys[0]].shape[:2]
     if moments < 1:
         raise SandboxError("Expected motions of at least one moment, but they have none.")

@@ -12,8 +12,8 @@ from uuid import uuid4
 import click
 
 from lqd_envs import LQDError, Task
+from lqd_envs.folder_lock import folder_locked
 from lqd_search.cli.llm_options import LLMOptions
-from lqd_search.runs.folder_lock import folder_locked
 
 INFERENCE = "inference"
 """Name of the folder of requests and answers, within that of the functionals that came of them."""
@@ -69,7 +69,10 @@ def keep_inference(
         LQDError: The folder cannot be made, or another process asks the same.
     """
     beside = output.parent
-    was_there = beside.exists()
+    try:
+        was_there = beside.exists()
+    except OSError as error:
+        raise _cannot_keep(beside, error) from error
     name = _hidden_name(task, llm=llm, instruction=instruction, sample=sample)
     place = _lasting(beside / name) if llm.asks_a_model else _passing(beside)
     try:
@@ -116,16 +119,20 @@ def _only_one(path: Path) -> Iterator[None]:
         try:
             alone = stack.enter_context(folder_locked(path))
         except OSError as error:
-            raise LQDError(
-                f"Expected to keep the model's answers in {path}, but that failed "
-                f"({error.strerror or error}); choose another place with --out."
-            ) from error
+            raise _cannot_keep(path, error) from error
         if not alone:
             raise LQDError(
                 f"Expected to be the only one to ask this, but another process keeps its answers "
                 f"in {path}; wait for it, take another --sample, or name another folder with --out."
             )
         yield
+
+
+def _cannot_keep(path: Path, error: OSError) -> LQDError:
+    return LQDError(
+        f"Expected to keep the model's answers in {path}, but that failed "
+        f"({error.strerror or error}); choose another place with --out."
+    )
 
 
 def _leave(path: Path) -> None:

@@ -115,11 +115,8 @@ class LLMOptions:
                 "Expected --recordings with --llm replay or --llm record only, but got it with "
                 "--llm live, which neither reads nor writes any; leave it out."
             )
-        if self.mode == REPLAY and not self.recordings.is_dir():
-            raise LQDError(
-                f"Expected a folder of recordings at {self.recordings}, but there is none; take "
-                "recordings with `--llm record`, or leave --recordings out."
-            )
+        if self.mode == REPLAY:
+            _check_folder(self.recordings)
 
     def _refuse_unheeded(self) -> None:
         # Own recordings are looked up by model and effort; those that ship answer whatever these.
@@ -130,6 +127,18 @@ class LLMOptions:
                 f"Expected {', '.join(given)} with --llm record or --llm live only, but got it "
                 "with --llm replay, which asks no model; leave it out."
             )
+
+
+def _check_folder(recordings: Path) -> None:
+    try:
+        problem = "" if recordings.is_dir() else "there is none"
+    except OSError as error:
+        problem = f"that cannot be looked up ({error.strerror or error})"
+    if problem:
+        raise LQDError(
+            f"Expected a folder of recordings at {recordings}, but {problem}; take recordings with "
+            "`--llm record`, or leave --recordings out."
+        )
 
 
 _OPTIONS = (

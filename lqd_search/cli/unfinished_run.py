@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from lqd_llm import Usage
 
-# Where the expert steers there are no inferred ones, but ranges are learned again at the same time.
+# Where there are none to explore, `direct` still learns its ranges again when three would end.
 _EXPLORED = 3
 
 

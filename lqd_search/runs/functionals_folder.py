@@ -13,6 +13,9 @@ _FILES = (
     "are steered directly direct.success.py, direct.fitness.py and direct.descriptor.py"
 )
 
+# A picture of a grid is named after two of them, and file systems take 255 characters.
+_NAME_LENGTH = 60
+
 
 class FunctionalsFolderError(LQDError):
     """A folder of functionals cannot be read or written."""
@@ -158,6 +161,11 @@ def _kind_and_name(file_name: str) -> tuple[str, str]:
         raise FunctionalsFolderError(
             f"Expected an identifier of plain letters, digits and _ as the name of a {kind}, but "
             f"got {name!r} from {file_name}; rename the file."
+        )
+    if len(name) > _NAME_LENGTH:
+        raise FunctionalsFolderError(
+            f"Expected at most {_NAME_LENGTH} characters as the name of a {kind}, but got "
+            f"{len(name)} from {file_name}; files of a run are named after it: rename the file."
         )
     return kind, name
 

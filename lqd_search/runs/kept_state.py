@@ -1,5 +1,6 @@
 """What a run that goes on keeps in its folder: a checkpoint, and the outcomes beside it."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import rmtree
@@ -65,7 +66,8 @@ class KeptState:
         """
         try:
             (self.path / _CHECKPOINT).unlink(missing_ok=True)
-            if (self.path / _OUTCOMES).exists():
+            # Another process that was asked to go on may see the finished run, and remove it too.
+            with suppress(FileNotFoundError):
                 rmtree(self.path / _OUTCOMES)
         except OSError as error:
             raise cannot_write(self.path / _CHECKPOINT, error, folder=self.path) from error

@@ -7,6 +7,7 @@ from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
 
+from lqd_envs.atomic_file import write_atomically
 from lqd_search.runs.run_folder_error import RunFolderError
 
 
@@ -38,6 +39,12 @@ def folder_beside(path: Path) -> Iterator[Path]:
     finally:
         # Where it was moved to its place, there is nothing left of it here.
         rmtree(part, ignore_errors=True)
+
+
+def copy_to_disk(source: str, target: str) -> str:
+    """Copy a file and bring it to the disk, so that the one that was copied may be removed."""
+    write_atomically(Path(target), Path(source).read_bytes())
+    return target
 
 
 def _umask() -> int:

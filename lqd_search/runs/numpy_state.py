@@ -21,7 +21,9 @@ Description: TypeAlias = str | tuple[Any, ...]
 """A dtype: its name; or a dtype and the shape of a field; or the names, dtypes and offsets of the
 fields, the size of an item and whether they are aligned."""
 
-BIT_GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")
+BIT_GENERATORS = ("PCG64", "PCG64DXSM", "SFC64")
+"""Those whose states are numbers alone. `MT19937` and `Philox` also hold a place in a buffer, which
+they do not check: with another one they read memory that is not theirs."""
 _LEAF = re.compile(r"[<>|][biufcmMSU][0-9]+(\[[0-9a-zA-Z]+\])?")
 
 

@@ -10,7 +10,7 @@ from shlex import quote
 from shutil import copytree
 from typing import Any
 
-from lqd_envs.atomic_file import write_atomically
+from lqd_envs.atomic_file import sync_folder, write_atomically
 from lqd_search.runs.function_text import FunctionText
 from lqd_search.runs.functionals_folder import (
     FunctionalsFolderError,
@@ -21,7 +21,12 @@ from lqd_search.runs.functionals_index import Origin
 from lqd_search.runs.json_form import FormError, check_form
 from lqd_search.runs.kept_state import KeptState
 from lqd_search.runs.metrics_file import MetricsFile
-from lqd_search.runs.new_folder import cannot_make, folder_beside, refuse_existing
+from lqd_search.runs.new_folder import (
+    cannot_make,
+    copy_to_disk,
+    folder_beside,
+    refuse_existing,
+)
 from lqd_search.runs.run_config import RUN_FORMAT, RunConfig
 from lqd_search.runs.run_folder_error import RunFolderError, cannot_write
 from lqd_search.runs.run_lock import locked
@@ -62,7 +67,8 @@ class RunFolder:
             config: What the run was asked to do.
             functionals: What steers it, and all else that was inferred; none: the expert does.
             origin: Where they come from.
-            inference: Folder of all that was asked and answered, which is copied; None: nothing.
+            inference: Folder of all that was asked and answered, which is copied; once this
+                returns, the copy is on the disk. None: nothing.
 
         Raises:
             RunFolderError: The folder exists already, or cannot be written.
@@ -74,8 +80,9 @@ class RunFolder:
             with folder_beside(path) as part:
                 cls(part)._fill(config, functionals, origin)
                 if inference is not None:
-                    copytree(inference, part / INFERENCE)
+                    copytree(inference, part / INFERENCE, copy_function=copy_to_disk)
                 part.rename(path)
+            sync_folder(path.parent)
         except OSError as error:
             raise cannot_make(path, error) from error
         except FunctionalsFolderError as error:

@@ -31,8 +31,15 @@ MODULES = (
     "lqd_search.runs.tally",
     "lqd_search.schedulers",
     "lqd_search.solution_space",
-    "ribs.archives",
-    "ribs.emitters",
+    "ribs.archives._archive_stats",
+    "ribs.archives._array_store",
+    "ribs.archives._grid_archive",
+    "ribs.emitters._evolution_strategy_emitter",
+    "ribs.emitters._gaussian_emitter",
+    "ribs.emitters._iso_line_emitter",
+    "ribs.emitters.opt._cma_es",
+    "ribs.emitters.opt._sep_cma_es",
+    "ribs.emitters.rankers",
 )
 """Modules, and packages with all that is in them, whose classes a state may hold instances of.
 

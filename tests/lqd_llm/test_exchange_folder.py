@@ -1,5 +1,6 @@
 import json
 import os
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -93,6 +94,38 @@ def test_folder_that_cannot_be_written(tmp_path):
         f"Expected a folder that answers can be written to, but {tmp_path / 'file'} is none (Not a "
         "directory); make room there or name another folder."
     )
+
+
+def test_a_full_disk_is_found_out_before(folder, monkeypatch):
+    def no_room(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", no_room)
+    with pytest.raises(
+        RecordingError, match=r"is none \(No space left on device\); make room there"
+    ):
+        folder.require_writable()
+
+
+def test_a_path_that_cannot_be_looked_up(tmp_path, answer, ask):
+    folder = ExchangeFolder(tmp_path / ("x" * 300))
+
+    for use in (
+        folder.require_writable,
+        lambda: folder.find(ask()),
+        lambda: folder.write(ask(), answer),
+        lambda: list(folder.exchanges()),
+    ):
+        with pytest.raises(RecordingError, match=r"\(File name too long\)"):
+            use()
+
+
+def test_two_that_answer_the_same_at_once_lose_nothing(folder, words, ask):
+    answers = [Answer(words.message(text), provenance="A test.") for text in "abcdefgh"]
+    with ThreadPoolExecutor(len(answers)) as pool:
+        list(pool.map(lambda answer: folder.write(ask(), answer), answers))
+
+    assert sorted(kept.answer.text for kept in folder.exchanges()) == list("abcdefgh")
 
 
 def test_missing_folder_is_empty(folder, ask):

@@ -103,6 +103,24 @@ def test_what_cannot_be_copied_is_kept_all_the_same(scripted, tmp_path, ask, mon
     assert ExchangeFolder(second).find(ask()).answer == answer
 
 
+def test_what_the_first_folder_has_no_room_for_is_kept_in_the_other(
+    scripted, tmp_path, ask, monkeypatch
+):
+    model = scripted(lambda _: GOOD)
+    first, second = tmp_path / "first", tmp_path / "second"
+    provider = KeepingProvider(model, folder=first, copies=[second])
+    monkeypatch.setattr(ExchangeFolder, "require_writable", lambda _: first.touch())
+
+    with pytest.raises(RecordingError, match=r"cannot be written to .*first"):
+        provider.ask(ask())
+    assert ExchangeFolder(second).find(ask()) is not None
+    first.unlink()
+    provider.ask(ask())
+
+    assert len(model.requests) == 1
+    assert ExchangeFolder(first).find(ask()) is not None
+
+
 def test_replay_finds_what_was_recorded(scripted, tmp_path, ask):
     recorded = KeepingProvider(scripted(lambda _: GOOD), folder=tmp_path).ask(ask())
 

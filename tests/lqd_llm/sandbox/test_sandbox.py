@@ -398,6 +398,11 @@ def test_columns_that_do_not_fit_are_refused(several, mugs, layout):
             sandbox.run({"object_position": columns["object_position"]})
         with pytest.raises(SandboxError, match=r"'gripper_position' to be float64 of shape"):
             sandbox.run({**columns, "gripper_position": columns["gripper_position"][:, :5]})
+        for flat, got in ((np.zeros(3), r"ndarray of shape \(3,\)"), ([0.0], "list")):
+            with pytest.raises(
+                SandboxError, match=f"an array of motions and moments, but got {got}"
+            ):
+                sandbox.run({**columns, "object_position": flat})
         with pytest.raises(SandboxError, match="at least one moment"):
             sandbox.run({key: array[:, :0] for key, array in columns.items()})
 

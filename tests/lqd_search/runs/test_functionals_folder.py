@@ -117,6 +117,8 @@ def test_direct_functions_alone_are_enough(tmp_path):
          "fitness, but got 'a.b' from fitness.a.b.py; rename the file."),
         ("quantity.2nd.py", "as the name of a quantity, but got '2nd'"),
         ("timestamp.größe.py", "as the name of a timestamp, but got 'größe'"),
+        (f"quantity.{'a' * 61}.py", "Expected at most 60 characters as the name of a quantity, but "
+         "got 61 from quantity.aaa"),
     ],
 )  # fmt: skip
 def test_file_that_is_no_functional(folder, name, told):

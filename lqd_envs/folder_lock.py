@@ -3,7 +3,7 @@
 import fcntl
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 
@@ -22,17 +22,41 @@ def folder_locked(path: Path) -> Iterator[bool]:
     Raises:
         OSError: The folder can neither be made nor opened.
     """
+    with _opened(path) as folder:
+        yield _lock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+@contextmanager
+def folder_in_turn(path: Path) -> Iterator[None]:
+    """Make a folder, or find it, and hold it for a moment, after all who hold it now.
+
+    Where it may be written in but not be listed, nobody is kept out.
+
+    Args:
+        path: The folder.
+
+    Raises:
+        OSError: The folder cannot be made.
+    """
+    with ExitStack() as stack:
+        with suppress(PermissionError):
+            _lock(stack.enter_context(_opened(path)), fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[int]:
     path.mkdir(parents=True, exist_ok=True)
     folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        yield _lock(folder)
+        yield folder
     finally:
         os.close(folder)
 
 
-def _lock(folder: int) -> bool:
+def _lock(folder: int, how: int) -> bool:
     try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(folder, how)
     except BlockingIOError:
         return False
     except OSError:
