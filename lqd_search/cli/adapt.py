@@ -76,7 +76,7 @@ _ROWS_SHOWN = 10
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="Keep the first one in this new JSON file.",
+    help="Keep the first one, and which others solve it, in this new JSON file.",
 )
 def adapt_command(
     *,
@@ -107,8 +107,8 @@ def adapt_command(
     instance = _prepare(instance_text, task, video=video, out=out)
     archive = run.archive()
     # Where the expert steered the run, so does what it stored, and the order in which it is tried.
-    approves = "expert's" if config.llm == "none" else "inferred"
-    elite, tries = _try(
+    approves = "expert's" if config.steered_by_expert else "inferred"
+    solving, tries = _try(
         archive,
         task=task,
         instance=instance,
@@ -117,6 +117,7 @@ def adapt_command(
         threads=threads,
         condition=f"the {approves} condition",
     )
+    elite = solving[0]
     solution = archive.fields["solution"][elite]
     _show(instance, solution, title=f"elite {elite} of {len(archive)}", video=video)
     if out:
@@ -128,6 +129,7 @@ def adapt_command(
             run_seed=config.seed,
             selector=selector,
             tries=tries,
+            solving=solving,
         ).write(out)
         click.echo(f"kept in: {out}")
 
@@ -160,8 +162,8 @@ def _try(
     limit: int,
     threads: int,
     condition: str,
-) -> tuple[int, int]:
-    """Return the first elite that solves the instance, and how many tries it took."""
+) -> tuple[tuple[int, ...], int]:
+    """Return the elites that solve the instance, as they were tried, and when the first one did."""
     click.echo("\n".join([f"instance {instance.name}", *in_words(instance)]))
     attempts = try_motions(
         ArchiveView.of(archive),
@@ -174,7 +176,7 @@ def _try(
     click.echo(_describe(attempts, selector, condition=condition))
     if attempts.tries is None:
         _end(_nothing_found(attempts, instance))
-    return int(attempts.solving[0]), attempts.tries
+    return tuple(map(int, attempts.solving)), attempts.tries
 
 
 def _show(

@@ -26,6 +26,7 @@ class KeptSolution:
         run_seed: Its seed.
         selector: Name of the selector.
         tries: How many tries it took.
+        solving: Rows of all that solve the instance, of those that were tried, in that order.
     """
 
     instance: Instance
@@ -35,6 +36,7 @@ class KeptSolution:
     run_seed: int
     selector: str
     tries: int
+    solving: tuple[int, ...]
 
     def to_json(self) -> str:
         """Return the text of the file."""
@@ -49,6 +51,7 @@ class KeptSolution:
             "seed": self.run_seed,
             "selector": self.selector,
             "tries": self.tries,
+            "solving": list(self.solving),
         }
         return json.dumps(plain, indent=2) + "\n"
 

@@ -9,7 +9,7 @@ from lqd_envs.instances import KINDS, Instance, InstanceError, describe, generat
 SYNTAX = "FILE|KIND[:N[:SEED]]"
 """How to name one."""
 
-_DRAWN = re.compile(r"(?P<kind>[a-z]+)(?::(?P<number>\d+))?(?::(?P<seed>\d+))?")
+_DRAWN = re.compile(r"(?P<kind>[a-z]+)(?::(?P<number>\d{1,18}))?(?::(?P<seed>\d{1,18}))?")
 # All before it are drawn too.
 _MOST = 10_000
 

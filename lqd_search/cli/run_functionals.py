@@ -17,11 +17,10 @@ from lqd_search.methods.steering import DIRECT, EXPERT, STEERING
 from lqd_search.runs.function_text import DIRECT_KINDS
 from lqd_search.runs.functionals_folder import read_functionals, read_origin
 from lqd_search.runs.functionals_index import Origin
+from lqd_search.runs.run_config import NO_MODEL
 
 FOLDER = "folder"
 """In place of what answered the prompts: a folder that the user named."""
-NOTHING = "none"
-"""In place of what answered the prompts: the expert steers."""
 
 _EXPERT = CheckedFunctionals(
     texts=(), lengths={}, model="none", provenance="The expert steers; no model was asked."
@@ -33,7 +32,7 @@ class RunFunctionals:
     """What steers a new run.
 
     Attributes:
-        llm: Where it comes from: what answered the prompts, `FOLDER` or `NOTHING`.
+        llm: Where it comes from: what answered the prompts, `FOLDER` or `NO_MODEL`.
         instruction: The sentence that the functionals were inferred for.
         checked: The functionals, which passed their checks; none where the expert steers.
         kept: What was sent and received, for the run's folder; None where nothing was.
@@ -92,7 +91,7 @@ class FunctionalsSource:
         instruction = task.instruction if self.instruction is None else self.instruction
         if STEERING[method] == EXPERT:
             self._refuse_for_expert(method)
-            yield RunFunctionals(NOTHING, task.instruction, _EXPERT)
+            yield RunFunctionals(NO_MODEL, task.instruction, _EXPERT)
         elif self.directory is not None:
             yield _from_folder(
                 self.directory, task, method=method, threads=threads, allow_weak=allow_weak

@@ -9,7 +9,8 @@ from rich.text import Text
 
 from lqd_search.runs.agreement import Agreement
 from lqd_search.runs.summary import Summary
-from lqd_search.runs.summary_notes import descriptor_notes, functional_notes
+from lqd_search.runs.summary_figures import figures_of
+from lqd_search.runs.summary_notes import descriptor_notes, functional_notes, steering_notes
 
 
 def print_summary(summary: Summary) -> None:
@@ -21,10 +22,10 @@ def print_summary(summary: Summary) -> None:
         console.print(_grids(summary))
     if summary["refused"]:
         console.print(_refusals(summary))
-    for sentence in (*functional_notes(summary), *descriptor_notes(summary)):
+    steering = steering_notes(summary)
+    for sentence in (*functional_notes(summary), *descriptor_notes(summary), *steering):
         console.print(sentence, markup=False, highlight=False)
-    if summary["llm"] == "none":
-        console.print("Steered by the expert; the inferred condition here is the expert's own.")
+    if steering:
         return
     sample = "" if summary["llm"] == "folder" else f"sample {summary['sample']}, "
     sentences = [f"Functionals: {sample}model {summary['model']}.", summary["provenance"]]
@@ -38,33 +39,10 @@ def _figures(summary: Summary) -> Table:
     table = Table(title=Text(title, style="table.title"), box=box.SIMPLE_HEAD, show_header=False)
     table.add_column()
     table.add_column(justify="right")
-    rejected, discarded = summary["rejected"], summary["discarded"]
-    outcomes = summary["outcomes"]
-    rows = [
-        ("evaluations", summary["evaluations"]),
-        ("rejected", sum(rejected.values())),
-        *((f"  {cause}", count) for cause, count in rejected.items()),
-        ("discarded", sum(discarded.values())),
-        *((f"  {cause}", count) for cause, count in discarded.items()),
-        ("valid", summary["valid"]),
-        ("distinct elites", summary["archive_size"]),
-        ("  inferred successes among them", summary["inferred_archive_size"]),
-        ("success archive size (expert)", summary["success_archive_size"]),
-        ("ground-truth cells", summary["ground_truth_cells"]),
-        ("  successes outside that grid", summary["ground_truth_outside"]),
-        (
-            "distinct successes of the whole run (expert)",
-            outcomes["both"] + outcomes["expert_only"],
-        ),
-        ("  ground-truth cells", outcomes["ground_truth_cells"]),
-        ("refused values", sum(row["count"] for row in summary["refused"])),
-    ]
-    if summary["grids"]:
-        outside = sum(grid["clipped"] for grid in summary["grids"])
-        rows.append(("solutions out of range, over all grids", outside))
-    rows.append(("seconds", round(summary["seconds"])))
-    for name, value in rows:
-        table.add_row(Text(name), f"{value:,}")
+    for figure in figures_of(summary):
+        indented = f"  {figure.name}" if figure.under else figure.name
+        table.add_row(Text(indented), f"{figure.value:,}")
+    table.add_row("seconds", f"{summary['seconds']:,.0f}")
     for name, found in summary["exploration"].items():
         kept = " (kept)" if name == summary["chosen_fitness"] else ""
         table.add_row(Text(f"exploring {name}{kept}"), f"{found:,}")

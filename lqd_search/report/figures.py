@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from lqd_search.report.reported_run import ReportedRun
 from lqd_search.runs.agreement import Agreement
 from lqd_search.runs.summary import Confusion, Outcomes
-from lqd_search.runs.summary_notes import descriptor_notes, functional_notes
+from lqd_search.runs.summary_figures import SummaryFigure, figures_of
+from lqd_search.runs.summary_notes import descriptor_notes, functional_notes, steering_notes
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ def figure_rows(runs: Sequence[ReportedRun]) -> tuple[TableRow, ...]:
 
 
 def notes(run: ReportedRun) -> tuple[str, ...]:
-    """Return sentences about what of a run's functionals was stopped, refused or found alike."""
+    """Return sentences about what steered a run: what was stopped, refused or found alike."""
     summary = run.summary
     return (
         *functional_notes(summary),
@@ -49,6 +50,7 @@ def notes(run: ReportedRun) -> tuple[str, ...]:
             for row in summary["refused"]
         ),
         *descriptor_notes(summary),
+        *steering_notes(summary),
     )
 
 
@@ -73,7 +75,7 @@ def _settings(run: ReportedRun) -> dict[str, str]:
         "evaluations": f"{config.evaluations:,}",
         "batch size": f"{config.batch_size:,}",
         "failures compete by": config.failure_competition,
-        "functionals": "the expert's" if config.llm == "none" else config.llm,
+        "functionals": "the expert's" if config.steered_by_expert else config.llm,
         "sample": str(config.sample),
         "model": config.model,
         "provenance": config.provenance,
@@ -84,31 +86,17 @@ def _settings(run: ReportedRun) -> dict[str, str]:
 
 def _figures(run: ReportedRun) -> dict[str, str]:
     summary = run.summary
-    outcomes = summary["outcomes"]
-    counts = {
-        "evaluations": summary["evaluations"],
-        "rejected": sum(summary["rejected"].values()),
-        **{f"rejected: {cause}": count for cause, count in summary["rejected"].items()},
-        "discarded": sum(summary["discarded"].values()),
-        **{f"discarded: {cause}": count for cause, count in summary["discarded"].items()},
-        "valid": summary["valid"],
-        "distinct elites": summary["archive_size"],
-        "inferred successes among them": summary["inferred_archive_size"],
-        "success archive size (expert)": summary["success_archive_size"],
-        "ground-truth cells": summary["ground_truth_cells"],
-        "successes outside that grid": summary["ground_truth_outside"],
-        "distinct successes of the whole run (expert)": outcomes["both"] + outcomes["expert_only"],
-        "their ground-truth cells": outcomes["ground_truth_cells"],
-        "refused values": sum(row["count"] for row in summary["refused"]),
-        "solutions out of range, over all grids": sum(grid["clipped"] for grid in summary["grids"]),
-    }
     return {
-        **{name: f"{count:,}" for name, count in counts.items()},
+        **{_called(figure): f"{figure.value:,}" for figure in figures_of(summary)},
         **_agreement(summary["confusion"], of="valid motions"),
-        **_agreement(outcomes, of="distinct solutions"),
+        **_agreement(summary["outcomes"], of="distinct solutions"),
         **_exploration(run),
         "seconds": f"{summary['seconds']:,.0f}",
     }
+
+
+def _called(figure: SummaryFigure) -> str:
+    return f"{figure.under}: {figure.name}" if figure.under else figure.name
 
 
 def _agreement(counts: Confusion | Outcomes, *, of: str) -> dict[str, str]:

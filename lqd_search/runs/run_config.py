@@ -28,6 +28,10 @@ def installed_versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
 
 
+NO_MODEL = "none"
+"""The `llm` of a run that the expert steered."""
+
+
 @dataclass(frozen=True)
 class RunConfig:
     """A run's configuration, as it stands in `config.json`.
@@ -83,6 +87,11 @@ class RunConfig:
     usage_in_words: str = ""
     versions: dict[str, str] = field(default_factory=installed_versions)
     format: int = RUN_FORMAT
+
+    @property
+    def steered_by_expert(self) -> bool:
+        """Whether the expert steered the run, and nothing was inferred for it."""
+        return self.llm == NO_MODEL
 
     def to_json(self) -> str:
         """Return the text of `config.json`."""

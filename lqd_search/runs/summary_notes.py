@@ -1,6 +1,7 @@
 """What a run's summary says of its functionals, in sentences."""
 
 from lqd_search.evaluation.descriptor_report import DescriptorReport
+from lqd_search.runs.run_config import NO_MODEL
 from lqd_search.runs.summary import Summary
 
 
@@ -15,6 +16,13 @@ def functional_notes(summary: Summary) -> tuple[str, ...]:
     return tuple(
         f"{what}: {sentence}" for what, sentences in noted.items() for sentence in sentences
     )
+
+
+def steering_notes(summary: Summary) -> tuple[str, ...]:
+    """Return a sentence where the expert steered, and nothing was inferred."""
+    if summary["llm"] != NO_MODEL:
+        return ()
+    return ("Steered by the expert; the inferred condition here is the expert's own.",)
 
 
 def descriptor_notes(summary: Summary) -> tuple[str, ...]:

@@ -38,17 +38,20 @@ async function drawPanel(place, map, panel, { shade, approval, marks, pick }) {
   });
 }
 
-// Where only failures are kept a place is grey, elsewhere bright; each has its values as a text.
+// Where only failures are kept a place is grey, elsewhere bright; each has its values as a text. A success
+// without a fitness has the lowest color.
 function layersOf(map, panel, { shade, approval }) {
   const [a, b] = panel.axes;
   const rows = b === undefined ? 1 : map.dims[b];
   const empty = () => Array.from({ length: rows }, () => new Array(map.dims[a]).fill(null));
   const layers = { bright: empty(), grey: empty(), texts: empty() };
+  const lowest = Math.min(...panel.best.filter((value) => value !== null));
+  const worst = Number.isFinite(lowest) ? lowest : 0;
   panel.place.forEach((flat, k) => {
     const [column, row] = [Math.floor(flat / rows), flat % rows];
     const approved = panel[approval][k] > 0;
     const count = panel[shade][k] || (approved ? 0 : null);
-    const value = shade === "best" ? (approved ? panel.best[k] : null) : count;
+    const value = shade === "best" ? (approved ? panel.best[k] ?? worst : null) : count;
     if (value === null) layers.grey[row][column] = 1;
     else layers.bright[row][column] = value;
     layers.texts[row][column] = describe(map, panel, k, column, row);

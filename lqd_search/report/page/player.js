@@ -96,7 +96,7 @@ function showFacts(place, run, rollout) {
     ["Elite", `${rollout.elite} of ${run.label}`],
     ["Evaluation", String(rollout.evaluation)],
     ["Fitness", rollout.fitness === null ? "none" : String(rollout.fitness)],
-    ["Success", `${yes(rollout.expert)} by the expert's condition, ${yes(rollout.success)} by the inferred one`],
+    ["Success", `${yes(rollout.expert)} by the expert's condition, ${yes(rollout.success)} by the run's own`],
     ...run.measures.map((name, i) => [name, String(rollout.ground_truth[i])]),
     ["Solution", rollout.solution.join(", ")],
     ["As the run saw it, bit for bit", rollout.same ? "yes" : "no; other versions may have simulated it then"],

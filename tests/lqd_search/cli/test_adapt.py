@@ -102,6 +102,8 @@ def test_an_instance_can_be_a_file_and_the_solution_is_kept(run, call, tmp_path)
     kept = json.loads(out_file.read_text())
     assert Instance.from_dict(kept["instance"]) == instance
     assert (kept["task"], kept["selector"], kept["method"]) == (FAUCET.id, "best", "ours")
+    assert kept["solving"][0] == kept["elite"]
+    assert f"in this order, elites {', '.join(map(str, kept['solving'][:10]))}" in out
     solution = np.array([kept["solution"]])
     fields = StoredArchive.load(run[0] / "archive.npz").fields
     assert np.array_equal(solution[0], fields["solution"][kept["elite"]])
@@ -178,6 +180,8 @@ def test_where_the_expert_steered_the_run_it_is_his_condition_that_approves(run,
         ((), r"Expected an instance, but got none; name one with --instance FILE\|KIND"),
         (("--instance", "obstacle:1"), "KIND is one of predicate, obstacles, approach, change, "),
         (("--instance", "change:-1"), r"but got 'change:-1', which as a file cannot be read"),
+        (("--instance", f"change:{'9' * 5000}"), "which as a file cannot be read"),
+        (("--instance", f"change:0:{'9' * 5000}"), "which as a file cannot be read"),
         (("--instance", "change:10000"), "the number of a drawn instance below 10,000, but got"),
         (("--instance", "change", "--video", "film.txt"), "Expected the name of an .mp4 file"),
         (

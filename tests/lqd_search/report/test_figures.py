@@ -46,6 +46,22 @@ def test_a_setting_that_no_run_has_is_left_out(new_run):
     assert all(row.shared for row in settings_rows([run, run]))
 
 
+def test_what_is_part_of_another_figure_is_named_after_it(new_run):
+    names = [row.name for row in figure_rows([new_run()])]
+
+    assert "distinct elites: inferred successes" in names
+    assert "ground-truth cells: successes outside that grid" in names
+    assert len(set(names)) == len(names)
+
+
+def test_where_the_expert_steered_the_notes_say_whose_condition_it_is(new_run):
+    run = new_run()
+    sentence = "Steered by the expert; the inferred condition here is the expert's own."
+
+    assert sentence not in notes(run)
+    assert sentence in notes(replace(run, summary=run.summary | {"llm": "none"}))
+
+
 def test_notes_say_what_was_dropped_refused_and_found_alike(new_run):
     sentences = "\n".join(notes(new_run()))
 

@@ -2,7 +2,9 @@
 
 import json
 import re
+from base64 import b64encode
 from dataclasses import replace
+from hashlib import sha256
 from html.parser import HTMLParser
 
 import matplotlib.image
@@ -21,24 +23,24 @@ HOSTILE = (
 
 
 class Markup(HTMLParser):
-    """What a page's markup has: tags with their attributes, and its scripts' texts."""
+    """What a page's markup has: tags with their attributes, and its scripts' types and texts."""
 
     def __init__(self, text):
         super().__init__()
         self.tags, self.scripts = [], []
-        self._script = False
+        self._script, self._type = False, None
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
         self.tags.append((tag, dict(attributes)))
-        self._script = tag == "script"
+        self._script, self._type = tag == "script", dict(attributes).get("type")
 
     def handle_endtag(self, _):
         self._script = False
 
     def handle_data(self, text):
         if self._script:
-            self.scripts.append(text)
+            self.scripts.append((self._type, text))
 
 
 def rendered(*runs, rollouts=2):
@@ -61,6 +63,17 @@ def test_the_page_refers_to_nothing_outside_of_it(new_run):
     assert policy.startswith("default-src 'none'; script-src 'sha256-")
     assert "http" not in policy
     assert "unsafe-eval" not in policy
+
+
+def test_the_policy_allows_the_scripts_as_they_stand_in_the_page(new_run):
+    markup = Markup(rendered(new_run(), rollouts=1))
+
+    (policy,) = [a["content"] for _, a in markup.tags if "Policy" in a.get("http-equiv", "")]
+    allowed = re.search(r"script-src ([^;]*)", policy)[1].split()
+    executed = [text for kind, text in markup.scripts if kind is None]
+    hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in executed]
+    assert allowed == [f"'sha256-{one}'" for one in hashes]
+    assert len(executed) == 2
 
 
 def test_what_a_model_wrote_never_becomes_markup(new_run):
@@ -217,6 +230,26 @@ HOVERED = """new Promise((resolve) => {
     };
     look();
 })"""
+
+
+LAYERS = """
+(() => {
+  const map = { dims: [4], ranges: [[0, 1]], axes: ["x"] };
+  const panel = {
+    axes: [0], place: [0, 1, 2, 3], best: [0.5, null, null, 0.25], filled: [1, 1, 1, 1],
+    successes: [1, 1, 0, 1], experts: [1, 1, 0, 1], elite: [0, 1, 2, 3], evaluation: [0, 1, 2, 3],
+  };
+  const { bright, grey } = layersOf(map, panel, { shade: "best", approval: "successes" });
+  return [bright[0], grey[0]];
+})()
+"""
+
+
+def test_a_success_without_a_fitness_is_no_failure(seen):
+    bright, grey = seen.run(LAYERS)
+
+    assert bright == [0.5, 0.25, None, 0.25]
+    assert grey == [None, None, 1, None]
 
 
 def test_pointing_at_a_place_shows_its_values(seen):
