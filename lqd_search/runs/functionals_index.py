@@ -1,13 +1,12 @@
 """The index of a folder of functionals: what their files do not say."""
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypedDict
 
 from lqd_search.runs.function_text import FunctionText
-from lqd_search.runs.json_form import FormError, check_form
+from lqd_search.runs.json_form import FormError, check_form, known_keys
 
 INDEX = "functionals.json"
 """Name of the file."""
@@ -116,13 +115,9 @@ class FunctionalsIndex:
         if origin is not None:
             check_form(origin, Origin, at="origin")
         return cls(
-            tuple(IndexEntry(**_known(entry, IndexEntry)) for entry in data["functionals"]),
-            None if origin is None else Origin(**_known(origin, Origin)),
+            tuple(IndexEntry(**known_keys(entry, IndexEntry)) for entry in data["functionals"]),
+            None if origin is None else Origin(**known_keys(origin, Origin)),
         )
-
-
-def _known(data: Mapping[str, Any], form: type) -> dict[str, Any]:
-    return {key: data[key] for key in form.__annotations__}
 
 
 def _body(text: FunctionText) -> str:
