@@ -21,8 +21,9 @@ from benchmarks.tables.command import (
 from benchmarks.tables.comparison_table import comparison_section
 from benchmarks.tables.machine import usable_cpus
 from benchmarks.tables.markdown import markdown_table
+from benchmarks.tables.report import task_sections
 from benchmarks.tables.results import Results
-from benchmarks.tables.task_tables import outcome_table, variant_table
+from benchmarks.tables.task_tables import variant_table
 from benchmarks.tables.variance_table import variance_table
 from benchmarks.tables.variants import VARIANTS
 
@@ -32,8 +33,7 @@ def ablation_sections(results: Results) -> Mapping[str, str]:
     summaries = [(variant.name, variant.summary) for variant in VARIANTS.values()]
     sections = {"The variants": markdown_table(("variant", "what it is"), summaries, words=2)}
     for task in results.study.tasks:
-        sections[f"{task.capitalize()}: the final archive"] = variant_table(results, task)
-        sections[f"{task.capitalize()}: the outcome archive"] = outcome_table(results, task)
+        sections.update(task_sections(results, task, final=variant_table(results, task)))
     return {
         **sections,
         "Comparisons": comparison_section(results),

@@ -67,14 +67,29 @@ def table_sections(results: Results) -> Mapping[str, str]:
     paper = PaperFigures.load()
     sections = {}
     for task in results.study.tasks:
-        sections[f"{task.capitalize()}: the final archive"] = final_archive_table(
-            results, task, paper=paper
+        sections.update(
+            task_sections(results, task, final=final_archive_table(results, task, paper=paper))
         )
-        sections[f"{task.capitalize()}: the outcome archive"] = outcome_table(results, task)
     return {
         **sections,
         "The inferred success condition": condition_table(results),
         "Comparisons": comparison_section(results),
+    }
+
+
+def task_sections(results: Results, task: str, *, final: str) -> Mapping[str, str]:
+    """Return the sections of a task: one line where none of its cells is finished.
+
+    Args:
+        results: The finished cells.
+        task: Of the study.
+        final: What is said of its final archives.
+    """
+    if not results.begun(task):
+        return {task.capitalize(): "No cell of this task is finished."}
+    return {
+        f"{task.capitalize()}: the final archive": final,
+        f"{task.capitalize()}: the outcome archive": outcome_table(results, task),
     }
 
 
@@ -120,7 +135,7 @@ def _commits(cells: Iterable[CellFigures]) -> str:
 def _pictures(results: Results) -> dict[str, bytes]:
     pictures: dict[str, bytes] = {}
     for task in results.study.tasks:
-        if any(results.group(task, method) for method in results.study.methods):
+        if results.begun(task):
             pictures.update(figure_files(f"curves.{task}", draw_curves(results, task)))
             pictures.update(figure_files(f"boxes.{task}", draw_boxes(results, task)))
     return pictures

@@ -27,6 +27,10 @@ class Results:
         """Return the finished cells of a method on a task, seed by seed."""
         return [self.cells[c] for c in self.study.group(task, method) if c in self.cells]
 
+    def begun(self, task: str) -> bool:
+        """Return whether any cell of a task is finished."""
+        return any(cell.task == task for cell in self.cells)
+
     def spread(self, task: str, method: str, measure: Measure) -> Spread | None:
         """Return how a measure spreads over the finished seeds; None: there is no value."""
         return Spread.of(measure.of(cell) for cell in self.group(task, method))

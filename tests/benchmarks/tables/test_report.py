@@ -93,6 +93,18 @@ def test_what_is_not_finished_is_said(tables):
     assert "| drawer | success archive size | ours : handcrafted | - | - | - | - |" in tables
 
 
+def test_a_task_that_was_not_begun_has_one_line_and_no_picture(results, tmp_path):
+    cells = {cell: figures for cell, figures in results.cells.items() if cell.task == "faucet"}
+
+    tables, *others = write_report(tmp_path, Results(results.study, cells), sections=table_sections)
+
+    text = tables.read_text()
+    assert "\n## Drawer\n\nNo cell of this task is finished.\n" in text
+    assert "## Drawer:" not in text
+    assert "## Faucet: the outcome archive" in text
+    assert "drawer" not in {path.name.split(".")[1] for path in others[1:]}
+
+
 def test_the_comparisons_are_those_that_were_declared(tables):
     # 3 against 3 that do not overlap: 2 of 20 deals, times 4 declared comparisons.
     assert "ours : handcrafted | 1.00 [1.00, 1.00] | 0.100 | 0.400 | no |" in tables
