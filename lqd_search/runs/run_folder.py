@@ -266,7 +266,7 @@ class RunFolder:
         path = self.path / name
         try:
             data = json.loads(path.read_text())
-        except FileNotFoundError as error:
+        except (FileNotFoundError, NotADirectoryError) as error:
             raise self._unfinished(name) from error
         except (OSError, ValueError, RecursionError) as error:
             raise RunFolderError(

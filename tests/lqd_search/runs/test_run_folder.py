@@ -266,6 +266,13 @@ def test_a_folder_that_is_no_run_says_so(tmp_path):
         RunFolder.open(tmp_path)
 
 
+def test_a_file_is_no_run_and_is_not_to_be_restored(tmp_path):
+    (tmp_path / "run.log").touch()
+
+    with pytest.raises(RunFolderError, match=r"run in .*run\.log, but it is not there"):
+        RunFolder.open(tmp_path / "run.log")
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
