@@ -104,7 +104,10 @@ def effect_coverage(*, seeds: int, a12: float, repetitions: int, rng: np.random.
 @click.option("--repetitions", type=click.IntRange(min=1), default=600, show_default=True)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 def main(*, repetitions: int, seed: int) -> None:
-    """Make intervals of made-up values whose true figure is known, and count those that hold it."""
+    """Make intervals of made-up values, and count those that hold the true figure.
+
+    It is known, but for the fixed motion, where it is the mean over all repetitions.
+    """
     rng = np.random.default_rng(seed)
     rows = []
     for words, spread in _SPREADS.items():

@@ -128,7 +128,7 @@ class ExchangeFolder:
         """
         above = (self.path, *self.path.absolute().parents)
         try:
-            there = next(path for path in above if path.exists())
+            there = next(path for path in above if _exists(path))
             with TemporaryFile(dir=there) as file:
                 file.write(bytes(_ROOM))
                 file.flush()
@@ -169,16 +169,30 @@ class ExchangeFolder:
 
 def _is_there(path: Path) -> bool:
     try:
-        return path.exists()
+        return _exists(path)
     except OSError as error:
         raise _unreadable(path, error) from error
+
+
+def _exists(path: Path) -> bool:
+    """Return whether there is a file; unlike `Path.exists`, an error is one in all versions."""
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
 
 
 def _listed(path: Path) -> list[Path]:
     try:
-        return sorted(path.iterdir()) if path.is_dir() else []
+        return sorted(path.iterdir())
+    except (FileNotFoundError, NotADirectoryError):
+        return []
     except OSError as error:
-        raise _unreadable(path, error) from error
+        raise RecordingError(
+            f"The folder {path} of recordings cannot be read ({error.strerror or error}); see to "
+            "its permissions, or name another folder."
+        ) from error
 
 
 def is_usable(exchange: KeptExchange) -> bool:

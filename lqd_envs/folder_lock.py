@@ -22,6 +22,7 @@ def folder_locked(path: Path) -> Iterator[bool]:
     Raises:
         OSError: The folder can neither be made nor opened.
     """
+    path.mkdir(parents=True, exist_ok=True)
     with _opened(path) as folder:
         yield _lock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
@@ -38,6 +39,7 @@ def folder_in_turn(path: Path) -> Iterator[None]:
     Raises:
         OSError: The folder cannot be made.
     """
+    path.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         with suppress(PermissionError):
             _lock(stack.enter_context(_opened(path)), fcntl.LOCK_EX)
@@ -46,7 +48,6 @@ def folder_in_turn(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[int]:
-    path.mkdir(parents=True, exist_ok=True)
     folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
     try:
         yield folder

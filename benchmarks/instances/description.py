@@ -24,7 +24,7 @@ def describe(results: Results) -> str:
         + describe_steering(run.method for run in results.judgements),
         f"Selectors see neither the instance nor the expert's word: {selectors}; `random` is the "
         "expectation of a random choice.",
-        "The control is one fixed motion of each archive, the same for all instances: that of the "
+        "The control is one fixed motion of each archive, whatever the instance: that of the "
         "highest fitness, which is the first choice of `best`; the one that solves the most "
         "instances of the kind, chosen in hindsight, so that no fixed motion does better; and the "
         "one that solves the most of one half of the instances, judged on the other half, "
@@ -32,7 +32,8 @@ def describe(results: Results) -> str:
         "that was evaluated first, and all that were looked at in every instance can be chosen. "
         "What is chosen in hindsight is an upper bound: how far some motion of those looked at is "
         "above it is the least that having them all is worth. What is chosen on one half is what "
-        "to expect in an instance of the kind that was not known when the motion was chosen.",
+        "to expect in an instance of the kind that was not known when the motion was chosen, by as "
+        "many others as half of them are; by more of them a better one might be chosen.",
         f"In instances with obstacles and changes, at most {results.cap:,} motions of an archive "
         "are drawn at random, once for each run, and looked at together with what selectors choose,"
         f" at most {most_looked_at(results.cap):,}. Where an archive has more, as the tables say, "

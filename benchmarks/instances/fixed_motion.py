@@ -31,12 +31,13 @@ def in_hindsight(solves: NDArray[np.bool_]) -> NDArray[np.float64]:
 def on_the_other_half(solves: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Choose the motion that solves the most of one half of the instances, for the other half.
 
-    It is what a fixed motion is worth where the instance was not known when it was chosen. The
-    instances are halved at random `SPLITS` times, and each half chooses for the other one; where
-    their number is odd, one half has one more. Of equally good ones the first is chosen.
+    It is what a fixed motion is worth where the instance was not known when it was chosen, by half
+    as many instances as there are; by more of them a better one might be chosen. The instances are
+    halved at random `SPLITS` times, and each half chooses for the other one; where their number is
+    odd, one half has one more. Of equally good ones the first is chosen.
 
-    To choose by all instances but one instead would turn the choice against that one: among
-    motions that solve nearly as many, it favors those that do not solve it.
+    To choose by all instances but one would be no more biased, but far noisier: which of many
+    nearly equal motions leads would decide on all or nothing.
 
     Args:
         solves: (i, n) whether each motion solves each instance, at least two of them.

@@ -48,7 +48,7 @@ def kind_section(results: Results, task: str, kind: str) -> str:
         [
             head,
             archive_table(results, task, kind),
-            "One fixed motion of those looked at, the same for all instances, solves the instance:",
+            "One fixed motion of those looked at solves the instance:",
             control_table(results, task, kind),
             "Success@k: one of the first k motions that are tried solves the instance.",
             success_table(results, task, kind),

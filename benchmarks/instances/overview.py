@@ -65,8 +65,7 @@ def _cell(results: Results, task: str, kind: str, method: str, figure: Figure) -
     if figure not in rates:
         return NOTHING
     text = percent(rates[figure].value)
-    lower = figure in _BOUNDS and results.capped(task, kind, INFERRED, methods=[method])
-    return _at_least(text) if lower else text
+    return _at_least(text) if _is_bound(results, task, kind, method, figure) else text
 
 
 def _mean(results: Results, method: str, figure: Figure) -> str:
@@ -74,11 +73,18 @@ def _mean(results: Results, method: str, figure: Figure) -> str:
     rate = results.mean_rate(method, INFERRED, figure)
     if rate is None:
         return NOTHING
-    lower = figure in _BOUNDS and any(
-        results.capped(task, kind, INFERRED, methods=[method]) for task, kind in results.instances
-    )
+    lower = any(_is_bound(results, task, kind, method, figure) for task, kind in results.instances)
     return _at_least(rate.text) if lower else rate.text
 
 
+def _is_bound(results: Results, task: str, kind: str, method: str, figure: Figure) -> bool:
+    """Return whether a figure might be larger if more motions had been looked at."""
+    return (
+        figure in _BOUNDS
+        and results.rates(task, kind, method, INFERRED)[figure].value < 1.0
+        and results.capped(task, kind, INFERRED, methods=[method])
+    )
+
+
 def _at_least(text: str) -> str:
-    return text if text.startswith((">", "100%")) else f"≥ {text}"
+    return text if text.startswith(">") else f"≥ {text.replace('< 1%', '0%', 1)}"

@@ -19,7 +19,8 @@ class Rate:
 
     Attributes:
         value: The mean.
-        low: Lower end of its bootstrap interval; NaN: there is a single run and a single instance.
+        low: Lower end of its bootstrap interval; NaN: there is none, since a single run in a single
+            instance says nothing of others.
         high: Upper end.
     """
 
@@ -32,7 +33,8 @@ class Rate:
         """As it stands in a table, in percent."""
         if math.isnan(self.low):
             return percent(self.value)
-        return f"{percent(self.value)} [{100 * self.low:.0f}, {100 * self.high:.0f}]"
+        low, high = (percent(end).removesuffix("%") for end in (self.low, self.high))
+        return f"{percent(self.value)} [{low}, {high}]"
 
 
 def two_way(values: NDArray[np.float64], *, rng: np.random.Generator) -> list[Rate]:
@@ -61,7 +63,7 @@ def mean_over_groups(
 
     Each task and kind counts as much as another. Each has instances of its own, drawn anew by
     themselves; the runs of a task are the same for all its kinds, and so are those that are drawn
-    anew.
+    anew. Where a kind has a single run and a single instance, there is no interval.
 
     Args:
         tasks: For each task, for each kind (runs, instances), at least one of each.
@@ -73,7 +75,12 @@ def mean_over_groups(
         of_runs = _times_drawn(len(kinds[0]), rng)
         for values in kinds:
             means.append(float(values.mean()))
-            resampled.append(_resampled(values[:, :, None], of_runs=of_runs, rng=rng)[:, 0])
+            alone = values.size == 1
+            resampled.append(
+                np.full(RESAMPLES, math.nan)
+                if alone
+                else _resampled(values[:, :, None], of_runs=of_runs, rng=rng)[:, 0]
+            )
     return _rate(float(np.mean(means)), np.mean(resampled, axis=0))
 
 

@@ -13,8 +13,9 @@ _FILES = (
     "are steered directly direct.success.py, direct.fitness.py and direct.descriptor.py"
 )
 
-# A picture of a grid is named after two of them, and file systems take 255 characters.
-_NAME_LENGTH = 60
+# A picture of a grid is named after two of them, and file systems take 255 characters. What a model
+# named is brought to some 60 characters beforehand.
+_NAME_LENGTH = 100
 
 
 class FunctionalsFolderError(LQDError):

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import asdict, dataclass
 from os import PathLike
 from pathlib import Path
@@ -81,8 +81,11 @@ class RunFolder:
                 cls(part)._fill(config, functionals, origin)
                 if inference is not None:
                     copytree(inference, part / INFERENCE, copy_function=copy_to_disk)
+                sync_folder(part)
                 part.rename(path)
-            sync_folder(path.parent)
+            # Where the folder above may not be listed, it cannot be done, and the run is there.
+            with suppress(PermissionError):
+                sync_folder(path.parent)
         except OSError as error:
             raise cannot_make(path, error) from error
         except FunctionalsFolderError as error:

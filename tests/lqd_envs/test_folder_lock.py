@@ -53,6 +53,15 @@ def test_a_folder_that_cannot_be_opened_keeps_nobody_out(tmp_path, monkeypatch):
         pass
 
 
+def test_a_folder_that_cannot_be_made_is_an_error(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(os, "mkdir", refuse)
+    with pytest.raises(PermissionError), folder_in_turn(tmp_path / "new"):
+        pass
+
+
 @pytest.mark.parametrize("code", [errno.ENOLCK, errno.EBADF])
 def test_where_there_are_no_locks_nobody_is_kept_out(tmp_path, monkeypatch, code):
     def refuse(*_):

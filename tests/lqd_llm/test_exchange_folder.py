@@ -216,6 +216,16 @@ def test_other_than_json_is_refused(folder, answer, ask, content):
         folder.find(ask())
 
 
+def test_a_folder_that_cannot_be_read_is_no_file_to_remove(folder):
+    folder.path.parent.mkdir()
+    folder.path.symlink_to(folder.path)
+
+    with pytest.raises(RecordingError, match=r"^The folder .* cannot be read \(Too many levels"):
+        list(folder.exchanges())
+    with pytest.raises(RecordingError, match=r"but .* is none \(Too many levels"):
+        folder.require_writable()
+
+
 def test_a_folder_in_its_place_is_refused(folder, ask):
     (folder.path / f"{ask().key}.json").mkdir(parents=True)
 

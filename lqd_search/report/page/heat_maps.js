@@ -45,7 +45,7 @@ function layersOf(map, panel, { shade, approval }) {
   const rows = b === undefined ? 1 : map.dims[b];
   const empty = () => Array.from({ length: rows }, () => new Array(map.dims[a]).fill(null));
   const layers = { bright: empty(), grey: empty(), texts: empty() };
-  const lowest = Math.min(...panel.best.filter((value) => value !== null));
+  const lowest = Math.min(...panel.best.filter((value, k) => value !== null && panel[approval][k] > 0));
   const worst = Number.isFinite(lowest) ? lowest : 0;
   panel.place.forEach((flat, k) => {
     const [column, row] = [Math.floor(flat / rows), flat % rows];

@@ -97,6 +97,21 @@ def test_nearly_all_is_not_all():
     assert overview_table(nearly, SomeMotion()).splitlines()[2] == "| drawer | change | > 99% |"
 
 
+def test_what_all_solve_could_not_be_more():
+    full = FakeResults(
+        {(DRAWER, "change", "ours"): 0.5, (FAUCET, "change", "ours"): 1.0},
+        larger=frozenset({(FAUCET, "change", "ours")}),
+    )
+
+    assert overview_table(full, SomeMotion()).splitlines()[-1] == "| mean |  | 75% [12, 88] |"
+
+
+def test_nearly_nothing_may_be_anything():
+    nearly = FakeResults({(DRAWER, "predicate", "ours"): 0.004}, larger=RESULTS.larger)
+
+    assert overview_table(nearly, SomeMotion()).splitlines()[2] == "| drawer | predicate | ≥ 0% |"
+
+
 def test_what_there_is_no_figure_of_is_no_zero():
     table = overview_table(RESULTS, BEST_ON_THE_OTHER_HALF)
 

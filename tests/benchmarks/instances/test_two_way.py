@@ -85,5 +85,21 @@ def test_runs_are_drawn_together_for_all_kinds_of_a_task_and_apart_for_tasks():
     assert width == pytest.approx(2**0.5, rel=0.1)
 
 
+def test_a_single_pair_among_the_groups_leaves_no_interval():
+    groups = [[np.ones((1, 4)), np.zeros((1, 1))]]
+
+    rate = mean_over_groups(groups, rng=np.random.default_rng(0))
+
+    assert rate.text == "50%"
+
+
+@pytest.mark.parametrize(
+    ("rate", "text"),
+    [(Rate(0.998, 0.996, 1.0), "> 99% [> 99, 100]"), (Rate(0.002, 0.0, 0.004), "< 1% [0, < 1]")],
+)
+def test_an_interval_does_not_seem_to_leave_its_own_rate_out(rate, text):
+    assert rate.text == text
+
+
 def test_a_rate_reads_as_percent():
     assert Rate(0.534, 0.409, 0.641).text == "53% [41, 64]"

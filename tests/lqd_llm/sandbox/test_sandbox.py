@@ -398,7 +398,8 @@ def test_columns_that_do_not_fit_are_refused(several, mugs, layout):
             sandbox.run({"object_position": columns["object_position"]})
         with pytest.raises(SandboxError, match=r"'gripper_position' to be float64 of shape"):
             sandbox.run({**columns, "gripper_position": columns["gripper_position"][:, :5]})
-        for flat, got in ((np.zeros(3), r"ndarray of shape \(3,\)"), ([0.0], "list")):
+        ragged = [[0.0], [0.0, 1.0]]
+        for flat, got in ((np.zeros(3), r"ndarray of shape \(3,\)"), (ragged, "list")):
             with pytest.raises(
                 SandboxError, match=f"an array of motions and moments, but got {got}"
             ):

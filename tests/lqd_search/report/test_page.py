@@ -236,7 +236,7 @@ LAYERS = """
 (() => {
   const map = { dims: [4], ranges: [[0, 1]], axes: ["x"] };
   const panel = {
-    axes: [0], place: [0, 1, 2, 3], best: [0.5, null, null, 0.25], filled: [1, 1, 1, 1],
+    axes: [0], place: [0, 1, 2, 3], best: [0.5, null, -9, 0.25], filled: [1, 1, 1, 1],
     successes: [1, 1, 0, 1], experts: [1, 1, 0, 1], elite: [0, 1, 2, 3], evaluation: [0, 1, 2, 3],
   };
   const { bright, grey } = layersOf(map, panel, { shade: "best", approval: "successes" });

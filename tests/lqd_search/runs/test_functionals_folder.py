@@ -5,6 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from lqd_llm.reply import FunctionSource, Reply
 from lqd_search.runs.function_text import FUNCTION_KINDS, SINGLE_KINDS, FunctionText
 from lqd_search.runs.functionals_folder import (
     FunctionalsFolderError,
@@ -103,6 +104,16 @@ def test_direct_functions_alone_are_enough(tmp_path):
     assert read_functionals(tmp_path) == tuple(direct)
 
 
+@pytest.mark.parametrize("long", ["a" * 70, "1" * 70])
+def test_names_as_long_as_a_reply_may_bring_are_taken(tmp_path, long):
+    sources = [FunctionSource(name=long, description="d", code="") for _ in range(12)]
+    names = [one.name for one in Reply(functions=tuple(sources)).functions]
+
+    write_functionals(tmp_path, [SUCCESS, *map(fitness, names)])
+
+    assert [text.name for text in read_functionals(tmp_path)[1:]] == names
+
+
 @pytest.mark.parametrize(
     ("name", "told"),
     [
@@ -117,8 +128,8 @@ def test_direct_functions_alone_are_enough(tmp_path):
          "fitness, but got 'a.b' from fitness.a.b.py; rename the file."),
         ("quantity.2nd.py", "as the name of a quantity, but got '2nd'"),
         ("timestamp.größe.py", "as the name of a timestamp, but got 'größe'"),
-        (f"quantity.{'a' * 61}.py", "Expected at most 60 characters as the name of a quantity, but "
-         "got 61 from quantity.aaa"),
+        (f"quantity.{'a' * 101}.py", "Expected at most 100 characters as the name of a quantity, "
+         "but got 101 from quantity.aaa"),
     ],
 )  # fmt: skip
 def test_file_that_is_no_functional(folder, name, told):
