@@ -33,10 +33,10 @@ def check_columns(columns: Mapping[str, NDArray[Any]], layout: InfoLayout) -> tu
         )
     for name, column in columns.items():
         if not isinstance(column, np.ndarray) or column.ndim < 2:
-            shape = f" of shape {column.shape}" if isinstance(column, np.ndarray) else ""
+            of_shape = f" of shape {column.shape}" if isinstance(column, np.ndarray) else ""
             raise SandboxError(
                 f"Expected the column {name!r} to be an array of motions and moments, but got "
-                f"{type(column).__name__}{shape}."
+                f"{type(column).__name__}{of_shape}."
             )
     motions, moments = columns[keys[0]].shape[:2]
     if moments < 1:
