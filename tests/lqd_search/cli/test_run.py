@@ -135,9 +135,10 @@ def test_a_size_that_will_not_do_is_refused_before_anything_is_inferred(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_where_the_expert_steers_no_option_of_a_model_is_heeded(call, tmp_path):
+@pytest.mark.parametrize("option", [("--effort", "low"), ("--recordings", "mine")])
+def test_where_the_expert_steers_no_option_of_a_model_is_heeded(call, tmp_path, option):
     status, out, err = call(
-        *("run", "LQD/Faucet-v0", "--method", "handcrafted", "--effort", "low"),
+        *("run", "LQD/Faucet-v0", "--method", "handcrafted", *option),
         *("--evaluations", 64, "--out", tmp_path / "run"),
     )
 
