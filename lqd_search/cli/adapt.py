@@ -49,7 +49,8 @@ _ROWS_SHOWN = 10
 @click.option(
     "--selector",
     type=click.Choice(tuple(SELECTORS)),
-    default="best",
+    # With few tries it solves more of the benchmark's instances than the order of fitness.
+    default="diverse",
     show_default=True,
     help="In which order to try: "
     + "; ".join(f"{selector.name}, {selector.summary}" for selector in SELECTORS.values())

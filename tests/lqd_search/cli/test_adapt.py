@@ -57,7 +57,9 @@ def test_the_number_of_tries_is_that_of_the_first_one_in_order_of_fitness(run, c
     order = approved[np.argsort(-fields["objective"][approved], kind="stable")][:20]
     solved = rollout(instance.apply(FAUCET), fields["solution"][order]).success()
 
-    _, out, _ = call("adapt", run[0], "--instance", "obstacles", "--limit", 20)
+    _, out, _ = call(
+        "adapt", run[0], "--instance", "obstacles", "--selector", "best", "--limit", 20
+    )
 
     tries = int(np.argmax(solved)) + 1
     assert f"{solved.sum()} of them solve the instance, the first after {tries} tries\n" in out
@@ -101,7 +103,7 @@ def test_an_instance_can_be_a_file_and_the_solution_is_kept(run, call, tmp_path)
     assert f"kept in: {out_file}\n" in out
     kept = json.loads(out_file.read_text())
     assert Instance.from_dict(kept["instance"]) == instance
-    assert (kept["task"], kept["selector"], kept["method"]) == (FAUCET.id, "best", "ours")
+    assert (kept["task"], kept["selector"], kept["method"]) == (FAUCET.id, "diverse", "ours")
     assert kept["solving"][0] == kept["elite"]
     assert f"in this order, elites {', '.join(map(str, kept['solving'][:10]))}" in out
     solution = np.array([kept["solution"]])
