@@ -109,8 +109,10 @@ def test_a_run_goes_on_without_values_that_no_example_warned_of(call, tmp_path, 
     write(functionals, "quantity.longer.py",
           f"def quantity(info): return (1.0,) * (2 + ({rare}))")  # fmt: skip
 
+    # Long enough that some are met: a descriptor is asked at four moments of a motion.
+    size = ("--evaluations", 1280, "--batch-size", 64, "--threads", 1)
     status, _, err = call(
-        "run", TASK, *SIZE, "--functionals", functionals, "--out", tmp_path / "run"
+        "run", TASK, *size, "--functionals", functionals, "--out", tmp_path / "run"
     )
 
     summary = RunFolder(tmp_path / "run").summary()
