@@ -112,8 +112,7 @@ class FunctionalsSource:
                 yield RunFunctionals(self.llm.mode, instruction, checked, kept)
 
     def _refuse_for_expert(self, method: str) -> None:
-        asks = self.llm.asks_a_model or bool(self.llm.given) or self.llm.recordings is not None
-        if self.directory is not None or self.instruction is not None or asks:
+        if self.directory is not None or self.instruction is not None or self.llm != LLMOptions():
             raise LQDError(
                 f"Expected neither functionals nor a model to ask with the method {method!r}, "
                 "which the expert steers, but got one of them; leave it out, or choose another "
