@@ -169,6 +169,9 @@ class _StatePickler(pickle.Pickler):
         reduced = reduce_numpy(obj)
         if reduced is not None:
             return reduced
+        # The first releases of Python 3.11 would name `getattr` for a member.
+        if isinstance(obj, Enum):
+            return type(obj), (obj.value,)
         # Python would name `getattr`, which could reach anything.
         if isinstance(obj, MethodType):
             raise StateError(f"it holds the bound method {obj.__qualname__}; hold the instance")

@@ -60,6 +60,16 @@ def test_plain_values_come_back(value):
     assert type(read) is type(value)
 
 
+@pytest.mark.parametrize("kind", [Verdict, Switch])
+def test_members_of_an_enumeration_come_back_however_python_would_pickle_them(kind, monkeypatch):
+    usual = [pickle_state(member) for member in kind]
+    # As the first releases of Python 3.11 do.
+    monkeypatch.setattr(kind, "__reduce_ex__", lambda member, _: (getattr, (kind, member.name)))
+
+    assert [pickle_state(member) for member in kind] == usual
+    assert all(again(member) is member for member in kind)
+
+
 def test_what_states_are_made_of_comes_back():
     state = {
         "types": [int, float, bool, str, np.float64, np.bool_, np.int32, np.uint64],
