@@ -19,6 +19,8 @@ CellCommand = Callable[[Cell, Path], Sequence[str]]
 _ONE_THREAD = MappingProxyType(
     {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 )
+# The last line of what it printed says why it failed, and held-back output would come after it.
+_LINES_IN_ORDER = MappingProxyType({"PYTHONUNBUFFERED": "1"})
 
 
 def run_command(*, evaluations: int, batch_size: int) -> CellCommand:
@@ -71,7 +73,7 @@ class CellProcess:
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, **_ONE_THREAD},
+                env={**os.environ, **_ONE_THREAD, **_LINES_IN_ORDER},
                 pass_fds=(lock,),
                 start_new_session=True,
             )
