@@ -281,7 +281,8 @@ def without_nannies(request, tmp_path):
 @pytest.mark.parametrize("without_nannies", [2], indirect=True)
 def test_a_worker_that_hangs_and_has_no_nanny_is_avoided(without_nannies, tmp_path):
     recipe = Toy(tmp_path, hang, times=1)
-    evaluate = ClusterEvaluator(without_nannies, recipe, chunk=8, patience=0.5)
+    # Long enough that the other worker is not taken for one that hangs where the machine is busy.
+    evaluate = ClusterEvaluator(without_nannies, recipe, chunk=8, patience=3.0)
     for _ in range(2):
         assert bits(evaluate(SOLUTIONS)) == bits(toy_values(SOLUTIONS))
     assert (tmp_path / "accident-0").exists()
